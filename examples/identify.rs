@@ -1,5 +1,5 @@
-//! Identifies an arm from a program of one's own: its URDF, a training log, and held-out logs of other motions where there are. Writes a URDF
-//! with possible inertias that has the identified base parameters, friction and rotors.
+//! Identifies an arm from a program of one's own: its URDF, a training log, and held-out logs of other motions where there are. Writes a
+//! URDF with possible inertias that has the identified base parameters, friction and rotors.
 //!
 //! `cargo run --release --example identify -- arm.urdf train.csv test.csv`
 

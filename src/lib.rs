@@ -1,7 +1,8 @@
 //! tauscope: a physics-simulator-in-the-loop testbed for robot-arm identification.
 //!
 //! ```text
-//! scenario -> excitation -> plant (rapier + effects + controller) -> sensors -> recording -> filter -> regressor -> estimate -> score -> report
+//! scenario -> excitation -> plant (rapier + effects + controller) -> sensors -> recording
+//!     -> filter -> regressor -> estimate -> score -> report
 //! ```
 //!
 //! # Conventions

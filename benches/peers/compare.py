@@ -1,4 +1,4 @@
-"""The product beside its strongest peers, in turns within one run: CPU time of one thread, medians, ratios.
+"""The product compared with its strongest peers, in turns within one run: CPU time of one thread, medians, ratios.
 
     python3 benches/peers/compare.py --install VENV [--rounds 9] [--markdown FILE]
 
@@ -234,18 +234,18 @@ def report(median, measured):
     rows = [
         ("regressor 6 x 60, a sample", "ns", "Pinocchio C++ regressor", f"regressor, {best}, ns", "20"),
         ("inverse dynamics, a sample", "ns", "Pinocchio C++ inverse dynamics", f"inverse dynamics, {best}, ns", "15"),
-        ("forward dynamics, a state (beside mj_forward)", "ns", "MuJoCo C mj_forward", f"forward dynamics, {best}, ns", ""),
+        ("forward dynamics, a state (against mj_forward)", "ns", "MuJoCo C mj_forward", f"forward dynamics, {best}, ns", ""),
         ("forward dynamics, a state, alone", "ns", "MuJoCo C mj_forward", "forward dynamics, scalar, ns", ""),
-        ("identify 60k samples, beside lstsq", "ms", "numpy identify 60k, lstsq", "identify 60k, ms", "80"),
-        ("beside QR", "ms", "numpy identify 60k, QR", "identify 60k, ms", ""),
-        ("beside normal equations", "ms", "numpy identify 60k, normal equations", "identify 60k, ms", "40"),
-        ("beside FIGAROH", "ms", "FIGAROH identify 60k", "identify 60k, ms", ""),
+        ("identify 60k samples, against lstsq", "ms", "numpy identify 60k, lstsq", "identify 60k, ms", "80"),
+        ("against QR", "ms", "numpy identify 60k, QR", "identify 60k, ms", ""),
+        ("against normal equations", "ms", "numpy identify 60k, normal equations", "identify 60k, ms", "40"),
+        ("against FIGAROH", "ms", "FIGAROH identify 60k", "identify 60k, ms", ""),
         ("QR of 360k x 60 (numpy, R only)", "ms", "numpy QR 360k x 60", "TSQR 360k x 60, ms", ""),
         ("QR of the rows of 60k samples, by joint", "ms", "numpy QR 360k x 60", "structured TSQR of 60k, ms", ""),
         ("Savitzky-Golay, signal and two derivatives, 6 x 60k, window 31", "ms", "numpy Savitzky-Golay", "Savitzky-Golay, ms", "15"),
         ("Monte Carlo trial, 5 s at 1 kHz", "ms", "numpy trial", "Monte Carlo trial, ms", "30"),
         ("excitation objective, 1000 given states", "ms", "numpy objective", "excitation objective of given states, ms", "25"),
-        ("beside own evaluation of the motion too", "ms", "numpy objective", "excitation objective and the motion, ms", ""),
+        ("against own evaluation of the motion too", "ms", "numpy objective", "excitation objective and the motion, ms", ""),
     ]
     processor = platform.processor() or platform.machine()
     for line in Path("/proc/cpuinfo").read_text().splitlines() if Path("/proc/cpuinfo").exists() else []:
@@ -259,7 +259,7 @@ def report(median, measured):
     text += "| task | peer | time | tauscope | ratio | target |\n|---|---|---|---|---|---|\n"
     for task, unit, peer, own, target in rows:
         if peer in median and own in median:
-            # What is measured once, as it takes long, stands beside the median of the others.
+            # What is measured once, as it takes long, is printed with the median of the others.
             rounds = zip(measured[peer], measured[own]) if len(measured[peer]) > 1 else [(median[peer], median[own])]
             ratio = statistics.median(theirs / ours for theirs, ours in rounds)
             name = peer.removesuffix(" 60k").split(" ")[0] if not peer.startswith(("Pinocchio", "MuJoCo")) else " ".join(peer.split(" ")[:2])

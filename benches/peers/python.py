@@ -1,4 +1,4 @@
-"""The Python package beside a loop over Pinocchio, and beside the command: wall time, medians, ratios.
+"""The Python package compared with a loop over Pinocchio and with the command: wall time, medians, ratios.
 
     pip install ./python pin
     python benches/peers/python.py [--rounds 9] [--samples 60000]
@@ -99,7 +99,7 @@ def identifications():
         for _ in range(arguments.rounds):
             command.append(timed(lambda: subprocess.run(words, check=True))[0])
             own.append(timed(lambda: tauscope.identify(arm, tauscope.Log(t=t, q=measured, tau=torque)))[0])
-    line(f"identify {SAMPLES} samples, beside the command", command, own)
+    line(f"identify {SAMPLES} samples, against the command", command, own)
 
 
 print(f"{os.cpu_count()} processors, Python {sys.version.split()[0]}, numpy {np.__version__}, Pinocchio {pin.__version__}, {arguments.rounds} rounds\n")

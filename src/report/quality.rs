@@ -12,8 +12,8 @@ use std::path::Path;
 /// robot leaves a hundredth of simulated torques, and about a tenth of real ones.
 const MUCH: f64 = 0.3;
 
-/// A log that is shorter, s, of which half of the joints turn round fewer times, has too few independent parts: what is wrong with it may not
-/// show, as friction and gravity are not told apart by it. So long are those that show it.
+/// A log that is shorter, s, of which half of the joints turn round fewer times, has too few independent parts: what is wrong with it may
+/// not show, as friction and gravity are not told apart by it. So long are those that show it.
 const SHORT_S: f64 = 10.0;
 const FEW_REVERSALS: usize = 4;
 const LONG_S: f64 = 30.0;
@@ -61,7 +61,8 @@ struct Hypotheses {
     unexplained: [f64; 2],
     /// The same of every torque column; null where it takes no part.
     unexplained_by_column: [Vec<Option<f64>>; 2],
-    /// How many times larger the torque of each joint is than the robot's bodies need, where that is the change; null where it is not known.
+    /// How many times larger the torque of each joint is than the robot's bodies need, where that is the change; null where it is not
+    /// known.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     factors: Vec<Factor>,
     /// How well the logs determine the direction of gravity, where that is changed.
@@ -291,8 +292,8 @@ fn too_short(report: &Report) -> Option<String> {
     })
 }
 
-/// The same with the joints of which the robot's model leaves a share of the torque: another robot, or a zero that is off, is no fault of a log by
-/// itself. A constant torque is none of these: it is that of a sensor or a current.
+/// The same with the joints of which the robot's model leaves a share of the torque: another robot, or a zero that is off, is no fault of a
+/// log by itself. A constant torque is none of these: it is that of a sensor or a current.
 fn nothing_but_unexplained(joints: &[JointSummary]) -> String {
     let much = joints.iter().filter_map(|joint| Some((joint, joint.unexplained.filter(|share| *share > MUCH)?)));
     let (constant, others): (Vec<_>, Vec<_>) =

@@ -234,8 +234,8 @@ pub struct SensorSpec {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct IdentificationSpec {
-    /// Savitzky-Golay window, samples, odd. Where it is left out, `tauscope run` chooses it by the noise of the measured positions, and what
-    /// compares studies takes [`IdentificationSpec::fixed_window`].
+    /// Savitzky-Golay window, samples, odd. Where it is left out, `tauscope run` chooses it by the noise of the measured positions, and
+    /// what compares studies takes [`IdentificationSpec::fixed_window`].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub smoothing_window: Option<usize>,
     /// Savitzky-Golay polynomial order.

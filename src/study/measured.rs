@@ -1,4 +1,5 @@
-//! A measured data set in place of a simulation: identify with and without smoothing, and with the usual one, judge by the torque on held-out logs.
+//! A measured data set in place of a simulation: identify with and without smoothing, and with the usual one, judge by the torque on
+//! held-out logs.
 
 use super::score::standard_deviation;
 use super::testbed::Variant;

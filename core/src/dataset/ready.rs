@@ -120,7 +120,8 @@ pub fn ready([train, test]: [Vec<(PathBuf, Sieved)>; 2], robot: &Robot) -> Resul
     Ok(logs)
 }
 
-/// Joints whose torque lost its sign in half of the logs or more: one recorder made them all, so that what a single one seems to show is chance.
+/// Joints whose torque lost its sign in half of the logs or more: one recorder made them all, so that what a single one seems to show is
+/// chance.
 fn unsigned(reports: &[quality::Report], joints: usize) -> Vec<usize> {
     let count = |joint: usize| reports.iter().filter(|report| report.unsigned.contains(&joint)).count();
     (0..joints).filter(|&joint| count(joint) > 0 && 2 * count(joint) >= reports.len()).collect()

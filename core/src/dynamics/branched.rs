@@ -54,8 +54,8 @@ pub(super) fn inverse<L: Lane>(
     }
 }
 
-/// Mass matrix A' M A with rotors, its lower half row by row, and the torque of `states`, whose accelerations are zero, by composite rigid bodies (Featherstone
-/// 2008, chapter 6).
+/// Mass matrix A' M A with rotors, its lower half row by row, and the torque of `states`, whose accelerations are zero, by composite rigid
+/// bodies (Featherstone 2008, chapter 6).
 #[inline(always)]
 pub(super) fn equations<L: Lane>(
     chain: &Chain,

@@ -1,4 +1,5 @@
-//! Rigid-body dynamics of any arm, a serial chain or a tree with coupled joints: inverse and forward dynamics, torque regressor, base parameters.
+//! Rigid-body dynamics of any arm, a serial chain or a tree with coupled joints: inverse and forward dynamics, torque regressor, base
+//! parameters.
 //!
 //! All functions are batched over samples laid out `[channel][time]`, and walk the chain in link frames, carrying the
 //! joints' screws forward (Featherstone 2008 for the recursions, Atkeson, An and Hollerbach 1986 for the linearity in

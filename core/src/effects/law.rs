@@ -172,8 +172,8 @@ pub trait Effect: Sync {
         None
     }
 
-    /// Quantities derived from its parameters by which practitioners call its size, the first that there is; its first parameter where there
-    /// is none.
+    /// Quantities derived from its parameters by which practitioners call its size, the first that there is; its first parameter where
+    /// there is none.
     fn headline(&self) -> &'static [&'static str] {
         &[]
     }

@@ -21,8 +21,8 @@ pub(crate) struct OrthonormalBasis {
 }
 
 impl OrthonormalBasis {
-    /// Of `columns` of one length, taken in their order: a column of which no more than `share` of its length is left over those kept before
-    /// it is left out, and one that is zero or not finite.
+    /// Of `columns` of one length, taken in their order: a column of which no more than `share` of its length is left over those kept
+    /// before it is left out, and one that is zero or not finite.
     ///
     /// # Panics
     /// If the columns are not of one length.

@@ -85,7 +85,8 @@ fn turns_back(tau: &[f64]) -> Option<Visits> {
         .then_some(Visits { met, all })
 }
 
-/// A torque that turns back at zero. A few visits are chance, unless a model explains the torque better with the sign that it would have lost.
+/// A torque that turns back at zero. A few visits are chance, unless a model explains the torque better with the sign that it would have
+/// lost.
 fn unsigned(view: &View, joint: usize, tau: &[f64], visits: &Visits, robot: Option<&Robot>) -> Result<Option<Finding>> {
     // The view is at even steps. Between two samples a torque may cross zero and meet it at none.
     let at = |samples: &[usize]| -> Vec<usize> {

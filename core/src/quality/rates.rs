@@ -54,8 +54,8 @@ pub(super) fn gear_ratio(log: &Recording, positions: &PositionUnits, robot: Opti
     }
 }
 
-/// The unit of each joint's positions, where it is none of SI. What half of the joints show is assumed of the others, unless their velocities or
-/// the torques show SI units.
+/// The unit of each joint's positions, where it is none of SI. What half of the joints show is assumed of the others, unless their
+/// velocities or the torques show SI units.
 fn units_of_positions(
     log: &Recording,
     positions: &PositionUnits,

@@ -41,7 +41,7 @@ pub struct Report {
     /// Units that are not those of the description.
     #[serde(skip)]
     pub units: UnitChanges,
-    /// Joints whose torque lost its sign, so that their equation says nothing.
+    /// Joints whose torque lost its sign, so that their equation has no information.
     #[serde(skip)]
     pub unsigned: Vec<usize>,
     /// What is wrong, the worst first.

@@ -203,7 +203,7 @@ fn torques_that_come_half_a_second_late_or_early_are_found() {
 }
 
 /// A joint on a level axis that goes to and fro at one speed, and whose torque comes to zero twice: on the way, with its sign lost, and
-/// where the joint turns round.
+/// where the joint reverses.
 #[test]
 fn a_few_visits_of_zero_are_chance_unless_the_sign_explains_the_torque() {
     let is_lost = |law: &dyn Fn(f64) -> f64| {

@@ -1,4 +1,4 @@
-//! Units of logs that are not those of their description, put right where they are beyond doubt.
+//! Units of logs that are not those of their description, corrected where they are beyond doubt.
 
 use super::examination::examine_together;
 use super::finding::Kind;

@@ -28,7 +28,7 @@ pub(super) struct View<'a> {
 }
 
 impl<'a> View<'a> {
-    /// Smooths a log; `robot` says which joints slide.
+    /// Smooths a log; `robot` determines which joints slide.
     ///
     /// # Errors
     /// Those of the filters: the log is too short.

@@ -7,8 +7,8 @@ const LONGEST: usize = 256;
 const SHORTEST: usize = 64;
 
 /// Amplitude spectral density after Welch (1967): Hann windows over half-overlapping segments of 256 samples (fewer for a
-/// shorter signal), each less its mean. Returns frequencies, Hz, and densities, unit of the signal per root Hz; nothing for a signal of fewer
-/// than 64 samples. Samples that are not finite, as between two logs, must be replaced before.
+/// shorter signal), each less its mean. Returns frequencies, Hz, and densities, unit of the signal per root Hz; nothing for a signal of
+/// fewer than 64 samples. Samples that are not finite, as between two logs, must be replaced before.
 pub fn amplitude_density(signal: &[f64], rate_hz: f64) -> (Vec<f64>, Vec<f64>) {
     if signal.len() < SHORTEST {
         return (Vec::new(), Vec::new());

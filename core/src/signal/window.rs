@@ -25,13 +25,13 @@ const ROUNDING: f64 = 1e-12;
 ///
 /// The error of a window W has two parts. The noise is s^2 |w|^2, with the standard deviation s of the white noise on the signal as its
 /// spectrum shows it ([`noise_floor`]) and the weights w of the second derivative. The bias is what the output differs by from that
-/// of a window 1.4 times shorter, v, beyond what noise explains: mean (y_w - y_v)^2 - s^2 |w - v|^2. What both windows take off is not seen in
-/// that, so `longest` must not smooth over a whole start or stop. Signals of different sizes and units count
+/// of a window 1.4 times shorter, v, beyond what noise explains: mean (y_w - y_v)^2 - s^2 |w - v|^2. What both windows take off is not seen
+/// in that, so `longest` must not smooth over a whole start or stop. Signals of different sizes and units count
 /// alike: the sum of their errors is minimised, each in units of its least one. Signals that stand are left out.
 ///
 /// References: S. R. Krishnan and C. S. Seelamantula, "On the selection of optimum Savitzky-Golay filters", IEEE Transactions on Signal
-/// Processing 61 (2013) 380-391 (unbiased estimate of the error); O. V. Lepskii, "On a problem of adaptive estimation in Gaussian white noise", Theory of Probability and its Applications 35
-/// (1991) 454-466 (bias from a shorter window).
+/// Processing 61 (2013) 380-391 (unbiased estimate of the error); O. V. Lepskii, "On a problem of adaptive estimation in Gaussian white
+/// noise", Theory of Probability and its Applications 35 (1991) 454-466 (bias from a shorter window).
 ///
 /// # Errors
 /// If the order is below 2 or too high, no signal moves, or the signals are too short.

@@ -7,8 +7,8 @@ use anstyle::Style;
 use serde::Serialize;
 use std::io::{ErrorKind, Write};
 
-/// Prints what a command found: to the program that runs it, if there is one; else nothing under `--quiet`, `value` under `--json`, else the text for people. A closed pipe
-/// (`tauscope | head`) is not an error: the reader has had enough.
+/// Prints what a command found: to the program that runs it, if there is one; else nothing under `--quiet`, `value` under `--json`, else
+/// the text for people. A closed pipe (`tauscope | head`) is not an error: the reader has had enough.
 ///
 /// # Errors
 /// If standard output cannot be written, as on a full disk.

@@ -221,8 +221,8 @@ pub fn negative_coulomb(robot: &Robot, fitted: &Fitted) -> Option<String> {
     })
 }
 
-/// A line about the joints whose viscous friction is negative, if there are any: no drive takes up power, but friction that falls with speed
-/// looks like it.
+/// A line about the joints whose viscous friction is negative, if there are any: no drive takes up power, but friction that falls with
+/// speed looks like it.
 pub fn falling_friction(robot: &Robot, fitted: &Fitted) -> Option<String> {
     let joints: Vec<&str> = negative(robot, fitted, "Fv").iter().map(|(joint, _)| joint.name.as_str()).collect();
     let effects: Vec<String> = joints.iter().map(|name| format!("--effect stribeck_friction:{name}")).collect();
@@ -236,8 +236,8 @@ pub fn falling_friction(robot: &Robot, fitted: &Fitted) -> Option<String> {
     })
 }
 
-/// The held-out residual of base parameters is this many times that of the training logs, and this many times that of bodies that can exist,
-/// where the training logs do not determine them: what these contradict is no body's.
+/// The held-out residual of base parameters is this many times that of the training logs, and this many times that of bodies that can
+/// exist, where the training logs do not determine them: what these contradict is no body's.
 const EXTRAPOLATES: f64 = 3.0;
 const OF_BODIES: f64 = 2.0;
 

@@ -11,8 +11,8 @@ use crate::robot::Robot;
 const MARKS: usize = 5;
 const APART_S: f64 = 1.0;
 
-/// The film of a diagnosis of the held-out `logs`; `answer` is the answer in lines, `simulated` are the positions of the same motions in a simulation of
-/// the extended model, where there is one.
+/// The film of a diagnosis of the held-out `logs`; `answer` is the answer in lines, `simulated` are the positions of the same motions in a
+/// simulation of the extended model, where there is one.
 pub fn film<'a>(
     robot: &'a Robot,
     logs: &[&Recording],

@@ -31,11 +31,11 @@ pub enum Outcome {
     WideSet,
     /// One of two hidden effects was named or is one of two names.
     Half,
-    /// Nothing was named firmly.
+    /// No effect was named without alternatives.
     Missed,
-    /// Something else was named firmly, and what was hidden was not.
+    /// Something else was named without alternatives, and what was hidden was not.
     Wrong,
-    /// What no name is right for is called unexplained on its joint, and no name is given firmly.
+    /// A law outside the library is reported as unexplained on its joint, and no effect is named without alternatives.
     Flagged,
     /// Nothing was hidden and nothing named.
     Quiet,

@@ -70,8 +70,8 @@ fn reached(setup: &Setup, session: &Session, placed: Placed, case: &Case) -> Res
     Ok(placed)
 }
 
-/// Factor on the torque noise at which an effect that cannot be as small as the case asks has the case's severity: one of the integrator, whose
-/// step stays as it is, and a delay of less than a sample, since sampling alone brings half of one. One for all others.
+/// Factor on the torque noise at which an effect that cannot be as small as the case asks has the case's severity: one of the integrator,
+/// whose step stays as it is, and a delay of less than a sample, since sampling alone brings half of one. One for all others.
 ///
 /// # Errors
 /// If it does not show on this arm at all.

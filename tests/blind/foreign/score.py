@@ -17,7 +17,7 @@ from pathlib import Path
 import numpy as np
 from scipy.stats import binom
 
-# Rates that --check asks for: at most so many quiet logs named or unexplained, firm wrong names, and single effects of the
+# Rates that --check asks for: at most so many quiet logs named or unexplained, wrong names, and single effects of the
 # library at the size of the noise that are not found; and the level of the binomial test against each.
 MOST_ALARMS, MOST_WRONG, MOST_MISSED = 0.05, 0.01, 0.05
 LEVEL = 0.05
@@ -56,7 +56,7 @@ def is_same(name, effect):
 
 
 def judge(truth, answer):
-    """Outcome of every hidden effect, wrong names (firm ones and in sets), and z-scores of parameters."""
+    """Outcome of every hidden effect, wrong names (without alternatives, and in sets), and z-scores of parameters."""
     if answer is None:
         return ["failed"] * max(1, len(truth["effects"])), [], [], []
     outcomes, scores, used = [], [], set()
@@ -129,7 +129,7 @@ def tables(judged):
     """`judged`: (truth, answer, judgement) of every case."""
     quiet = [(truth, answer, j) for truth, answer, j in judged if not truth["effects"] and answer]
     if quiet:
-        print("\nNothing hidden: cases in which something is named, firmly or as a set")
+        print("\nNothing hidden: cases in which something is named, alone or in a set")
         for key in ("mode", "noise", "motion", "arm", "rate", "sign_width", "quantised", "urdf_drives", "at_rest"):
             counts = defaultdict(list)
             for truth, _, j in quiet:
@@ -162,9 +162,9 @@ def tables(judged):
             any(u["joint"] == e["worst_joint"] or u["joint"] == e["joint"] for u in a["unexplained"] for e in t["effects"])
             for t, a, _ in with_effects
         )
-        print(f"\nA firm wrong name in {firm}/{len(with_effects)} = {wilson(firm, len(with_effects))}, of which {beside} beside the right one")
+        print(f"\nA wrong name in {firm}/{len(with_effects)} = {wilson(firm, len(with_effects))}, of which {beside} in addition to the right one")
         print(f"Unexplained structure on the joint of the effect: {flagged}/{len(with_effects)}")
-        print("Firm wrong names:", Counter(name[0] for *_, j in with_effects for name in j[1]).most_common())
+        print("Wrong names:", Counter(name[0] for *_, j in with_effects for name in j[1]).most_common())
     scores = [score for *_, j in judged for score in j[3]]
     if scores:
         inside = sum(abs(z) < 3 for _, z in scores)
@@ -182,7 +182,7 @@ def failures(judged):
     rates = [
         ("quiet logs named, unexplained or without an answer", quiet, MOST_ALARMS),
         ("single effects without their name", [j[0][0] not in ("named", "one_of") for _, j in single], MOST_MISSED),
-        ("single effects with a firm wrong name", [bool(j[1]) for answer, j in single if answer], MOST_WRONG),
+        ("single effects with a wrong name", [bool(j[1]) for answer, j in single if answer], MOST_WRONG),
     ]
     lines = []
     for name, wrong, most in rates:

@@ -61,7 +61,7 @@ impl Diagnosis {
     ///
     /// The logs are screened first. Wrong columns, signs and units that are beyond doubt are corrected, samples that cannot
     /// be used are left out, joints without torque or motion are left out, and where a fault forbids an answer the
-    /// diagnosis stops and says so.
+    /// diagnosis stops and reports it.
     ///
     /// ```no_run
     /// # extern crate tauscope_core as tauscope;

@@ -279,8 +279,9 @@ pub(super) fn withdraw(
     }
 }
 
-/// Held-out residual with a finding over that without it, on the joints that it acts on together, in squares over the noise: one that fits the
-/// training logs alone is not what these joints have in common with the held-out ones. `noise` is the floor's root mean square, `[joint]`.
+/// Held-out residual with a finding over that without it, on the joints that it acts on together, in squares over the noise: one that fits
+/// the training logs alone is not what these joints have in common with the held-out ones. `noise` is the floor's root mean square,
+/// `[joint]`.
 fn predicts(found: &Found, noise: &[f64], criteria: &Criteria) -> Judgement {
     let joints = found.member.candidate.joints();
     let [before, after] =
@@ -289,8 +290,8 @@ fn predicts(found: &Found, noise: &[f64], criteria: &Criteria) -> Judgement {
     Judgement::at_most(Gate::Predicts, after / before, criteria.worse.powi(2)).or(after <= before)
 }
 
-/// Whether a delay or a lag is more than sampling makes: torque that is held over a step, or read at one end of it, lies up to half a sample
-/// from the motion. That is no finding as long as what it adds to the held-out torque, root mean square, is below the `noise` of every
+/// Whether a delay or a lag is more than sampling makes: torque that is held over a step, or read at one end of it, is up to half a sample
+/// late or early. That is no finding as long as what it adds to the held-out torque, root mean square, is below the `noise` of every
 /// joint. None for all other effects.
 ///
 /// # Errors
@@ -400,7 +401,7 @@ pub(super) fn next_experiment(
         ),
         (true, Some(joint)) if robot.joints[joint].drive.is_frictionless() => format!(
             "the description of {} has no friction, which leaves {:.1} times as much as re-identified inertias and friction do: \
-             extended.urdf holds these; --trust nominal tells whether its inertias are right",
+             extended.urdf holds these; --trust nominal shows whether its inertias are right",
             robot.joints[joint].name,
             off(joint)
         ),

@@ -26,7 +26,7 @@ const MOVES_ONCE: &str = "the joint moves once, and what is held out of the logs
 const ALL: &str = "all logs";
 
 /// The joints of `robot` with an equation in the logs; those in `still` hardly move. Where no joint has one all keep theirs, and
-/// the diagnosis says what is wrong; so it does where a joint moves in the logs to identify from and not in those to judge by.
+/// the diagnosis reports the fault; so it does where a joint moves in the training logs and not in the held-out ones.
 ///
 /// # Errors
 /// If a log is too short.

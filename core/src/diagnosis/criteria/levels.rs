@@ -19,8 +19,8 @@ pub struct Levels {
     /// Highest p-value of the training logs, corrected for what was looked for there, at which held-out logs are asked: above it what they
     /// would confirm is as likely as not chance.
     pub even_p: f64,
-    /// Highest p-value at which logs lean one way, and others can confirm it: held-out logs what training logs show, and the other way round.
-    /// What goes with noise alone as often contradicts as it supports, and above it one of both would decide alone.
+    /// Highest p-value at which logs lean one way, and others can confirm it: held-out logs what training logs show, and the other way
+    /// round. What goes with noise alone as often contradicts as it supports, and above it one of both would decide alone.
     pub leaning_p: f64,
     /// Highest p-value at which a test of low power leaves something open: it is looked at again, or stays an alternative.
     pub open_p: f64,
@@ -28,8 +28,8 @@ pub struct Levels {
     pub usual_p: f64,
     /// The strict 1 %: what rests on one kind of data alone, or on the scatter between a few blocks.
     pub strict_p: f64,
-    /// p-value below which one of two models is better with certainty, and above which a finding is superfluous with all others in the model:
-    /// one of many comparisons in a search.
+    /// p-value below which one of two models is better with certainty, and above which a finding is superfluous with all others in the
+    /// model: one of many comparisons in a search.
     pub sure_p: f64,
     /// Share of alpha of what is to be certain: structure that training logs show by themselves, spectral lines, and what comes after an
     /// earlier finding, of which what is not quite right remains in the residual. Noise that is not stationary makes p-values too small.

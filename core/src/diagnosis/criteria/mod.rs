@@ -1,7 +1,7 @@
 //! Thresholds that decide what is reported, each with its reason, and the judgement of a gate.
 //!
-//! In: the name of a gate, a number and its threshold. Out: whether it passes, and by how much. Bounds of a law's parameters, and the places
-//! where a statistic is taken, belong to the law and the statistic: they are no thresholds.
+//! In: the name of a gate, a number and its threshold. Out: whether it passes, and by how much. Bounds of a law's parameters, and the
+//! places where a statistic is taken, belong to the law and the statistic: they are no thresholds.
 
 mod comparison;
 mod document;

@@ -26,19 +26,20 @@ pub struct SearchCriteria {
     pub pooled: f64,
     /// Share of alpha for gears with play that impacts show.
     pub impacts: f64,
-    /// Factor on alpha for what held-out logs cannot confirm: an event in one log, impacts of gears whose load changes no sign there, gears, which
-    /// act where smoothed positions err most, around reversals and jerks, and torque saturation, which shows in rows in which the model's
-    /// torque is extreme, as its error is. From the same factor on held-out logs need only not contradict what training logs show.
+    /// Factor on alpha for what held-out logs cannot confirm: an event in one log, impacts of gears whose load changes no sign there,
+    /// gears, which act where smoothed positions err most, around reversals and jerks, and torque saturation, which shows in rows in which
+    /// the model's torque is extreme, as its error is. From the same factor on held-out logs need only not contradict what training logs
+    /// show.
     pub unconfirmable: f64,
-    /// Factor on alpha for what is hidden or imitated in part: friction that builds up after reversals, near which smoothed positions err most; a
-    /// second law of friction over speed on one joint, since books write such curves in many forms and none is that of a gear; what base
-    /// parameters hide in part, since the little that remains is also what smoothed positions make of the part that is hidden.
+    /// Factor on alpha for what is hidden or imitated in part: friction that builds up after reversals, near which smoothed positions err
+    /// most; a second law of friction over speed on one joint, since books write such curves in many forms and none is that of a gear; what
+    /// base parameters hide in part, since the little that remains is also what smoothed positions make of the part that is hidden.
     pub in_part: f64,
     /// Least share of the residual that a candidate must explain where the residual is well above the noise: there all that is small
     /// fits a little.
     pub share_of_misfit: f64,
-    /// Factor by which the level of a second attempt at held-out logs is below that of the only one. The first has the rest of the level, so
-    /// that a second one is possible and the first hardly pays for it.
+    /// Factor by which the level of a second attempt at held-out logs is below that of the only one. The first has the rest of the level,
+    /// so that a second one is possible and the first hardly pays for it.
     pub second_attempt: f64,
     /// Candidates that may be refused one after the other before the search ends; and in the search over all logs, which adds to that over
     /// the training logs.

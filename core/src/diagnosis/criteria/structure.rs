@@ -20,12 +20,12 @@ pub struct StructureCriteria {
     pub together: f64,
     /// Difference of two spectral lines up to which they are one, Hz: half the width of the peak in a Hann window of 20 s.
     pub same_line_hz: f64,
-    /// Factor on the noise from which the held-out residual counts where no test says what it is: of other logs, of a search that was
-    /// ended, of logs too short to separate what it follows. Noise that is estimated without the structure is up to 1.7 times too small on
-    /// quiet logs.
+    /// Factor on the noise from which the held-out residual counts where no test indicates its cause: of other logs, of a search that
+    /// was ended, of logs too short to separate what it follows. Noise that is estimated without the structure is up to 1.7 times too small
+    /// on quiet logs.
     pub above_noise: f64,
-    /// Share of the noise of a joint, and of its residual, from which a part of the residual is reported, root mean squares. With many rows that of
-    /// any simplification of a simulator or a sensor is significant.
+    /// Share of the noise of a joint, and of its residual, from which a part of the residual is reported, root mean squares. With many rows
+    /// that of any simplification of a simulator or a sensor is significant.
     pub clear: f64,
     /// Ratio to the background from which the model's own torque has a spectral line at the same frequency: then it is the motion's.
     pub of_the_motion: f64,

@@ -66,9 +66,9 @@ impl Default for Criteria {
 }
 
 impl Criteria {
-    /// Most that the statistic of a test may lose where a shape at a bound of its law is moved inside: chi-square of one degree of freedom at
-    /// the strict level. A law that is better at its bound than inside is not the law that acts; one that the logs do not determine loses
-    /// nothing.
+    /// Most that the statistic of a test may lose where a shape at a bound of its law is moved inside: chi-square of one degree of freedom
+    /// at the strict level. A law that is better at its bound than inside is not the law that acts; one that the logs do not determine
+    /// loses nothing.
     pub fn at_bound(&self) -> f64 {
         ChiSquared::new(1.0).map_or(f64::NAN, |chi_square| chi_square.inverse_cdf(1.0 - self.levels.strict_p))
     }

@@ -18,8 +18,8 @@ pub struct VerdictCriteria {
     /// Share of a joint's excess over the noise, in squares, that must be explained for the findings on it to stay where structure is
     /// unexplained with certainty.
     pub explained: f64,
-    /// Wrong bodies beyond which, and joints with unexplained structure that is certain from which on, it is simpler to ask whether the inertias of
-    /// the description are wrong as a whole.
+    /// Wrong bodies beyond which, and joints with unexplained structure that is certain from which on, it is simpler to ask whether the
+    /// inertias of the description are wrong as a whole.
     pub wrong_bodies: usize,
     /// Torque that a delay or a lag of at most half a sample adds to a joint, over the noise, from which it is more than sampling makes.
     pub sampling_size: f64,

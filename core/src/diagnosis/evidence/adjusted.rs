@@ -76,7 +76,7 @@ fn over_blocks(rows: usize, whitener: &Whitener, fit: &Projection, columns: &[Co
     let mut covariance = DMatrix::zeros(count, count);
     scores.iter().for_each(|score| covariance += score * score.transpose());
     let total = DVector::from_iterator(count, columns.iter().map(|column| column.dot(&fit.residual)));
-    // Directions in which the columns say nothing have no scatter either.
+    // Directions in which the columns have no information have no scatter either.
     let eigen = SymmetricEigen::new(covariance);
     let least = SINGULAR * eigen.eigenvalues.max();
     let statistic: f64 = (0..count)
@@ -100,8 +100,8 @@ fn happens_anywhere(candidate: &Candidate) -> bool {
 /// left with them, as far as they are slow themselves.
 ///
 /// White noise has as much in each cosine; where the whitening knows the slow noise badly there is more, and the number of
-/// cosines limits how well that is known. A sum of cosines that is nearly a column of the fit holds no information: what the fit leaves of it
-/// is what that column has beyond slow motion, the noise of the encoders above all, which is in the torque that the fit leaves too.
+/// cosines limits how well that is known. A sum of cosines that is nearly a column of the fit holds no information: what the fit leaves of
+/// it is what that column has beyond slow motion, the noise of the encoders above all, which is in the torque that the fit leaves too.
 pub(crate) fn against_slow_noise(
     rows: &Rows,
     whitener: &Whitener,

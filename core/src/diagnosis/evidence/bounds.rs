@@ -8,7 +8,8 @@ use crate::effects::{Parameter, Placed, Search, varies_by_factors};
 use crate::error::Result;
 use std::f64::consts::TAU;
 
-/// Distance to a bound over the range of a shape, or over that of its logarithm, within which it lies there; and by which it is moved inside.
+/// Distance to a bound over the range of a shape, or over that of its logarithm, within which it lies there; and by which it is moved
+/// inside.
 const AT_BOUND: f64 = 1e-3;
 const INSIDE: f64 = 0.1;
 
@@ -34,7 +35,8 @@ impl Session<'_> {
     }
 }
 
-/// The effect with a shape that lies at a bound of its law moved inside. A whole turn has no bound, nor has a time at which something happens.
+/// The effect with a shape that lies at a bound of its law moved inside. A whole turn has no bound, nor has a time at which something
+/// happens.
 fn moved_inside(placed: &Placed, index: usize) -> Option<Placed> {
     let Parameter { lower, upper, .. } = placed.effect.parameters()[index];
     if placed.effect.search(index) == Search::Instant {

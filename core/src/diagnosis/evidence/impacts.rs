@@ -107,8 +107,9 @@ impl Traces {
         fisher(ranks)
     }
 
-    /// The same with each jump ranked only among moments without a change of sign in which the loads change as much: a model that follows steps of the
-    /// torque late leaves jumps wherever such steps are, and on an arm that starts and stops these are where a load changes its sign.
+    /// The same with each jump ranked only among moments without a change of sign in which the loads change as much: a model that follows
+    /// steps of the torque late leaves jumps wherever such steps are, and on an arm that starts and stops these are where a load changes
+    /// its sign.
     pub(crate) fn log_p_among_alike(&self, joint: usize) -> f64 {
         fisher(self.0.iter().flat_map(|trace| trace.ranks_among_alike(joint)).map(f64::ln))
     }

@@ -31,8 +31,8 @@ impl Judged {
         Member::new(&self.candidate, &self.test.values)
     }
 
-    /// Logarithm of the probability by chance, by which shapes and forms of one family compare; that of a form that is not the usual one must
-    /// be lower by `log_odds`.
+    /// Logarithm of the probability by chance, by which shapes and forms of one family compare; that of a form that is not the usual one
+    /// must be lower by `log_odds`.
     pub fn likeliness(&self, log_odds: f64) -> f64 {
         let placed = &self.candidate.placed;
         let unusual =

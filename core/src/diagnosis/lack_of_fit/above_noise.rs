@@ -1,11 +1,11 @@
-//! Residuals well above the noise of which no test says what they are: of a search that was ended before it looked for their structure, and of logs
-//! in which it is not separated from slow noise.
+//! Residuals well above the noise whose cause no test indicates: of a search that was ended before it looked for their structure, and of
+//! logs in which structure is not separable from slow noise.
 
 use super::structure::Unexplained;
 use crate::diagnosis::criteria::{Gate, Judgement, Levels, StructureCriteria};
 use crate::diagnosis::variance::{JointMap, ResidualMap};
 
-/// What is said of such a joint.
+/// How such a joint is reported.
 pub(super) const ABOVE_NOISE: &str = "is above the noise";
 
 /// The joints whose held-out residual is well above the noise (root mean squares, `[joint]`, N m), but those on which something is
@@ -40,9 +40,9 @@ fn untested(joint: usize, clear: Judgement, structure: &'static str, reported: &
 /// What is said of a joint whose residual is far above the noise of the map, though nothing in it is significant.
 const NOT_SEPARATED: &str = "is far above the noise, and not separated from noise that is slow";
 
-/// The joints whose residual in all logs is far above the noise of the map, but those on which something is reported already: with few independent
-/// stretches of time no part of it is significant, and yet it is not nothing. Quiet logs with noise that is correlated over half a second
-/// have up to 2.1 times that noise.
+/// The joints whose residual in all logs is far above the noise of the map, but those on which something is reported already: with few
+/// independent stretches of time no part of it is significant, and yet it is not nothing. Quiet logs with noise that is correlated over
+/// half a second have up to 2.1 times that noise.
 pub(crate) fn not_separated(map: &ResidualMap, reported: &[Unexplained], levels: &Levels) -> Vec<Unexplained> {
     let unexplained = |own: &JointMap| {
         let clear = Judgement::at_least(Gate::AboveExpected, own.residual / own.noise, levels.far);

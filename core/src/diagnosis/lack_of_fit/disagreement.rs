@@ -19,9 +19,10 @@ const AVERAGED: usize = 25;
 /// Parts of the training rows that are left out one after the other: each is about as long as what is held out of a log.
 const PARTS: usize = 4;
 
-/// The joints on which the model with `members` leaves far more of the held-out rows than of the training rows, of its noise and of what it is
-/// unsure of (`prediction_std`, N m, `[joint]`), not much less than the `baseline` leaves of the held-out rows, and more than a fit without it leaves of any part of the
-/// training rows: what errors of the positions do to poorly excited parameters is in no standard deviation.
+/// The joints on which the model with `members` leaves far more of the held-out rows than of the training rows, of its noise and of what it
+/// is unsure of (`prediction_std`, N m, `[joint]`), not much less than the `baseline` leaves of the held-out rows, and more than a fit
+/// without it leaves of any part of the training rows: what errors of the positions do to poorly excited parameters is in no standard
+/// deviation.
 ///
 /// # Errors
 /// If a log is too short to differentiate.

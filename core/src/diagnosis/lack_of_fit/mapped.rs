@@ -15,8 +15,8 @@ const LINE: &str = "oscillates at a fixed frequency";
 /// themselves: few blocks of uneven noise make the p-value of one map too small now and then, but not of the same kind in both.
 ///
 /// `map` is that of all logs, `cutoffs_hz` are those of the joints' positions, joints among `known` are left out, `alpha` is the
-/// family-wise level of names. `apart` makes the maps of the training and of the held-out logs, and is called where they are asked for; where it
-/// gives none, the map of all logs decides alone.
+/// family-wise level of names. `apart` makes the maps of the training and of the held-out logs, and is called where they are asked for;
+/// where it gives none, the map of all logs decides alone.
 ///
 /// # Errors
 /// Those of `apart`.

@@ -1,4 +1,4 @@
-//! Generic functions of a joint as structure of what a model leaves: what training and held-out rows show of them, and which names on
+//! Generic functions of a joint as structure of the residual: what training and held-out rows show of them, and which names on
 //! the joint they replace.
 
 use super::condensed::Condensed;

@@ -71,8 +71,8 @@ fn cutoff_of(q: &[f64], rate_hz: f64) -> Result<f64> {
 }
 
 /// Upper edge of the highest band, Hz, that `holds` more than noise, which is asked with what is in it and the power that the encoder's
-/// noise has there: white noise, and of few digits what rounding does to the same motion. A joint that takes several samples for a step of its
-/// encoder has rounding errors that are slow, and no white noise.
+/// noise has there: white noise, and of few digits what rounding does to the same motion. A joint that takes several samples for a step of
+/// its encoder has rounding errors that are slow, and no white noise.
 fn highest_band(q: &[f64], rate_hz: f64, holds: impl Fn(&[f64], f64) -> bool) -> Result<f64> {
     let candidates: Vec<f64> = CUTOFFS_HZ.into_iter().filter(|hz| *hz <= HIGHEST_SHARE * rate_hz).collect();
     let edges: Vec<f64> = candidates.iter().copied().chain([NOISE_SHARE * rate_hz]).collect();

@@ -7,12 +7,12 @@ use std::ops::Range;
 /// Share of a log that is held out where no other is held out.
 const HELD_OUT: f64 = 0.3;
 
-/// Least and largest share of a joint's path in the parts that are held out: beyond these, one of the two sets says nothing of it.
+/// Least and largest share of a joint's path in the parts that are held out: beyond these, one of the two sets has no information on it.
 const LEAST_PATH: f64 = 0.02;
 const LARGEST_PATH: f64 = 0.9;
 
-/// Share of a joint's path that is aimed at where windows are chosen one by one, and the largest that they may have; their length, s, which is
-/// longer than the filters remember, and the largest share of all windows.
+/// Share of a joint's path that is aimed at where windows are chosen one by one, and the largest that they may have; their length, s, which
+/// is longer than the filters remember, and the largest share of all windows.
 const WANTED_PATH: f64 = 0.2;
 const LARGEST_WANTED: f64 = 0.6;
 const WINDOW_S: f64 = 4.0;

@@ -116,8 +116,8 @@ impl Log {
         Log::motion_of(q, self.period)
     }
 
-    /// The motion with accelerations that stand clear of the encoder's noise. Near the ends, where so slow a low-pass knows too little, they
-    /// are those of [`Log::motion`].
+    /// The motion with accelerations that stand clear of the encoder's noise. Near the ends, where so slow a low-pass knows too little,
+    /// they are those of [`Log::motion`].
     ///
     /// # Errors
     /// If there are too few samples for the filters.

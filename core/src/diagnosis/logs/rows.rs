@@ -71,8 +71,8 @@ impl Rows {
 
     /// [`Rows::new`] of logs whose torque went `through` a low-pass before it was logged, with a cut-off for each joint. A row
     /// counts only where the joint also moves with certainty with positions smoothed at `whole_hz`, above which they hold nothing but
-    /// noise: where friction holds a joint for a moment, smoother positions move on. So many rows as `fewest` says must count on each
-    /// joint; one for which it says nothing has no equation.
+    /// noise: where friction holds a joint for a moment, smoother positions move on. At least `fewest` rows must be valid on each
+    /// joint; a joint without such a number has no equation.
     ///
     /// # Errors
     /// If a log is too short, or a joint hardly moves; named.
@@ -282,7 +282,7 @@ fn rests(recording: &Recording, log: &Log) -> [bool; 2] {
 }
 
 /// Blocks of a joint away from the ends of the log and from reversals, of the motion and of the hardly smoothed one where there is
-/// one. The full memory of the low-pass is left out around reversals where that leaves most of the motion; a joint that turns round
+/// one. The full memory of the low-pass is left out around reversals where that leaves most of the motion; a joint that reverses
 /// all the time keeps more.
 fn usable(log: &Log, joint: usize, margin: usize, ends: [usize; 2]) -> Vec<bool> {
     let speed = log.motion.qd.channel(joint);

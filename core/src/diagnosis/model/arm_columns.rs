@@ -18,8 +18,8 @@ use std::ops::Range;
 /// Placed effects whose torque is worked out in one pass over a log; bounds the memory that takes.
 const BATCH: usize = 24;
 
-/// Which torque is moved in time by what shifts or spreads it. Moved torque holds the noise of the accelerations twice, once as it is in what
-/// is left of the measured one: that looks like a shift.
+/// Which torque is moved in time by a law that shifts or spreads it. The noise of the accelerations is in the moved torque and in the
+/// residual alike: their correlation looks like a shift.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Moved {
     /// To test for a shift: along accelerations that stand clear of the noise, which omits some of the motion.

@@ -7,8 +7,8 @@ use crate::identification::effect_model::Arm;
 /// Fewest samples of an excursion that count.
 const FEWEST: usize = 3;
 
-/// Slope of the measured torque of `joint` over the model's wherever the arm as found has more than `level`, N m: zero for torque that is cut off, one for
-/// torque that is not. NaN where the model nowhere has.
+/// Slope of the measured torque of `joint` over the model's wherever the arm as found has more than `level`, N m: zero for torque that is
+/// cut off, one for torque that is not. NaN where the model nowhere has.
 pub(crate) fn slope_beyond(arm: &Arm, rows: &Rows, joint: usize, level: f64) -> f64 {
     let [mut together, mut model_alone] = [0.0; 2];
     for log in &rows.logs[rows.before..] {
@@ -134,7 +134,8 @@ mod tests {
 
     #[test]
     fn the_level_is_that_of_the_tops() {
-        // A model 10 % too small, with a peak of 90, and a level taken too low: at 65 the torque is not cut off yet, half way to the peak it is.
+        // A model 10 % too small, with a peak of 90, and a level taken too low: at 65 the torque is not cut off yet, half way to the peak
+        // it is.
         let torque: Vec<f64> = (0..2000).map(|k| 100.0 * (0.02 * f64::from(k)).sin()).collect();
         let model: Vec<f64> = torque.iter().map(|torque| 0.9 * torque).collect();
         let measured: Vec<f64> = torque.iter().map(|torque| torque.clamp(-75.0, 75.0)).collect();

@@ -10,8 +10,8 @@ use crate::identification::effect_model::Arm;
 use crate::signal::ZeroPhaseLowPass;
 use std::f64::consts::TAU;
 
-/// Standard deviation of the torque constant of a drive over what is taken for it: catalogues give motors' torque constants to 10 %, and gears
-/// lose as much more.
+/// Standard deviation of the torque constant of a drive over what is taken for it: catalogues give motors' torque constants to 10 %, and
+/// gears lose as much more.
 const GAIN_SPREAD: f64 = 0.15;
 
 /// Columns of the errors of one data set, for the arm as found. None before anything was fitted.

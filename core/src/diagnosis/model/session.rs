@@ -29,7 +29,7 @@ pub struct Session<'a> {
     pub model: ArmModel<'a>,
     /// Thresholds that decide about what is found in it.
     pub criteria: Criteria,
-    /// Errors in variables along the training and the held-out logs: torque from errors of the positions, for the arm as last settled.
+    /// Errors in variables along the training and the held-out logs: torque from errors of the positions, for the arm as last estimated.
     errors: [ErrorsInVariables; 2],
     /// Noises estimated so far.
     noises: NoiseMemory,

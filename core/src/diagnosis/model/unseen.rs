@@ -1,7 +1,8 @@
 //! What the bodies weigh under another direction of gravity than that described.
 //!
-//! A first axis along gravity does not feel the first moments of what it carries, so that no base parameter holds them. An effect that turns gravity
-//! makes them felt, in proportion to its size: with the described moments in their place, wrong ones would change the size that is found.
+//! A first axis along gravity does not feel the first moments of what it carries, so that no base parameter holds them. An effect that
+//! turns gravity makes them felt, in proportion to its size: with the described moments in their place, wrong ones would change the size
+//! that is found.
 
 use super::arm_columns::all_over_rows;
 use super::member::Member;
@@ -14,7 +15,8 @@ use crate::identification::effect_model::{Arm, Trust};
 use crate::identification::model::Model;
 use nalgebra::Vector3;
 
-/// Share of a column's size below which what others leave of it is rounding, and share of what a moment of 1 kg m weighs below which one is.
+/// Share of a column's size below which what others leave of it is rounding, and share of what a moment of 1 kg m weighs below which one
+/// is.
 const ROUNDING: f64 = 1e-6;
 
 /// Changes of the bodies that gravity as described does not show, with their places in the baseline.
@@ -43,7 +45,8 @@ impl Unseen {
 }
 
 impl Session<'_> {
-    /// Adds the columns of what the `members` make felt of the bodies by turning gravity to the baselines of the training and the held-out logs.
+    /// Adds the columns of what the `members` make felt of the bodies by turning gravity to the baselines of the training and the held-out
+    /// logs.
     pub fn free_unseen(&mut self, members: &[Member]) -> Unseen {
         let arm = &self.model.arm;
         let turned = turned_gravity(arm, members);

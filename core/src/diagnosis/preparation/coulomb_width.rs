@@ -1,5 +1,5 @@
-//! The Coulomb smoothing velocity. Books write a sign; simulators and drivers write tanh(v / width), a ramp or v / sqrt(v^2 + width^2), whose
-//! tails reach far beyond the rows that are left out near reversals and look like friction that falls at low speed.
+//! The Coulomb smoothing velocity. Books write a sign; simulators and drivers write tanh(v / width), a ramp or v / sqrt(v^2 + width^2),
+//! whose tails reach far beyond the rows that are left out near reversals and look like friction that falls at low speed.
 //!
 //! One law that is wrong on one joint must not be taken for it: what the joints that gain most by it gain does not count, unless they gain
 //! more by it than by any friction law of speed in the library.
@@ -113,8 +113,8 @@ fn shares(logs: &[Log], joints: usize) -> Vec<f64> {
     (0..joints).map(of_joint).collect()
 }
 
-/// Whether each joint gains more by its width than by any law. One that does best with a plain sign gains by the widths of other joints alone,
-/// whose parameters it shares.
+/// Whether each joint gains more by its width than by any law. One that does best with a plain sign gains by the widths of other joints
+/// alone, whose parameters it shares.
 fn surely(best: &Tried, by_laws: &[f64], odds: f64) -> Vec<bool> {
     let is_sure = |((own, gain), by_law): (&(Rounding, f64), &f64)| own.width() > 0.0 && *gain > odds + by_law;
     best.iter().zip(by_laws).map(is_sure).collect()

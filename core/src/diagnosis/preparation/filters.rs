@@ -95,7 +95,7 @@ impl<'a> Preparation<'a> {
         Ok(self.through_passband(prepared.cutoff_hz)?.unwrap_or(prepared))
     }
 
-    /// The cut-off of each joint by itself, with the arm as settled along rows of the logs to identify from and what its fit left there.
+    /// The cut-off of each joint by itself, with the arm as estimated along rows of the training logs and the residual of its fit there.
     ///
     /// # Errors
     /// If a log is too short.

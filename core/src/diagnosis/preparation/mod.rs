@@ -1,7 +1,9 @@
 //! Choices before the search.
 //!
-//! In: logs and the arm. Out: cut-offs of the positions' low-pass, the low-pass torque went through before logging, and the
-//! tanh width of Coulomb friction: whatever predicts held-out rows best. Differences from reference logs of the same motion. The way in is [`Session::knowing`](crate::diagnosis::model::Session::knowing).
+//! In: logs and the arm. Out: a session with rows of the training and of the held-out logs. The cut-offs of the positions' low-pass
+//! minimise the innovations of the torque. The low-pass of the torque before logging minimises the residual. The Coulomb smoothing
+//! velocity of each joint is the likeliest. Where reference logs follow the same motion, differences of torque at equal states replace
+//! torque. The entry point is [`Session::knowing`](crate::diagnosis::model::Session::knowing).
 
 mod coulomb_width;
 mod differences;

@@ -42,7 +42,8 @@ impl<'a> Session<'a> {
         let (arm, knows) = (known.arm.clone(), known.clone());
         let model = ArmModel { base: model, trust, known: knows, arm, open_play: Vec::new() };
         let mut session = Session::unfitted(logs, model, criteria);
-        // The Coulomb smoothing velocity is that from before a change, if one is in question; low-pass filtered torque does not determine it.
+        // The Coulomb smoothing velocity is that from before a change, if one is in question; low-pass filtered torque does not determine
+        // it.
         let rounding = match known.reference.is_empty() && passband.is_none() {
             true if apart => coulomb_width::likeliest(&session.over_all_logs())?,
             true => coulomb_width::likeliest(&session)?,
@@ -90,8 +91,8 @@ impl<'a> Session<'a> {
         Ok(noise)
     }
 
-    /// Leaves out rows in which the low-pass bent the motion, by the arm as settled without any effect and the noise under it: what is
-    /// left of a jerk there is no noise, and a few such rows can carry any effect. The arm is then as known before.
+    /// Leaves out rows in which the low-pass distorted the motion, by the arm as estimated without any effect and the noise under it: the
+    /// residual of a jerk there is no noise, and a few such rows can support any effect. The arm is then as known before.
     fn leave_out_distorted(&mut self, whitener: &Whitener) {
         let bearable = |std: &f64| self.criteria.structure.above_noise * std;
         let bearable: Vec<f64> = whitener.innovation_std().iter().map(bearable).collect();

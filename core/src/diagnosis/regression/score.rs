@@ -109,8 +109,8 @@ impl Projection {
         self.test_with_prior(columns, &vec![f64::INFINITY; columns.len()])
     }
 
-    /// The same of only those directions of the group that are mostly orthogonal to the baseline: what remains of the others may be anything but
-    /// like the columns themselves.
+    /// The same of only those directions of the group that are mostly orthogonal to the baseline: what remains of the others may be
+    /// anything but like the columns themselves.
     pub fn test_of_what_is_mostly_left(&self, columns: &[Column]) -> Option<Test> {
         self.test_of(columns, &vec![f64::INFINITY; columns.len()], MOSTLY_LEFT)
     }

@@ -227,8 +227,8 @@ impl Trial<'_> {
             }
             return if gain.passed { Ok(accepted(winner, gain.value, level)) } else { refused(gain, false) };
         }
-        // A torque is cut off in a few rows, where the smoothing errs most: their scatter indicates little, and held-out motions that stay below
-        // the level say nothing.
+        // A torque is cut off in a few rows, where the smoothing errs most: their scatter indicates little, and held-out motions that stay
+        // below the level have no information on it.
         let is_level = is_level(winner.candidate.placed.effect);
         let sure = level < criteria.unconfirmable && (gains.is_of_noise(levels) || is_level);
         let gained = gains.share() > 0.0 || (is_level && !gains.is_contradicted(levels));

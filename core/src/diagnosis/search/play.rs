@@ -19,7 +19,8 @@ pub(super) struct Impacts {
     pub rejected: Option<Rejected>,
     /// Joints whose gears may have play, though impacts do not show it significantly.
     pub open_play: Vec<usize>,
-    /// The logs with the steady torque of these gears in their baselines and without the rows that impacts disturb; none without such gears.
+    /// The logs with the steady torque of these gears in their baselines and without the rows that impacts disturb; none without such
+    /// gears.
     pub logs: Option<PreparedLogs>,
 }
 

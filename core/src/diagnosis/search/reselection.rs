@@ -156,8 +156,8 @@ pub(super) fn reselect(
     Ok(changed)
 }
 
-/// Asks the logs that `session` is identified from, as `round` sees them, what else explains each finding. What errors of the smoothing imitate is
-/// so in all logs: they add no information on gears.
+/// Asks the logs that `session` is identified from, as `round` sees them, what else explains each finding. What errors of the smoothing
+/// imitate is so in all logs: they add no information on gears.
 ///
 /// # Errors
 /// If a log is too short to differentiate.

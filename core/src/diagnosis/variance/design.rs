@@ -11,7 +11,7 @@ use std::ops::Range;
 /// lasts for a few rows is nearly white over them. At least half of them must be valid.
 const TOGETHER: usize = 4;
 
-/// Share of a fixed column that must be left over the others for it to be more than rounding.
+/// Least share of a fixed column orthogonal to the others: a smaller one is rounding.
 const ROUNDING: f64 = 1e-5;
 
 /// Share of a law's square, beyond the model, in its mean from which it counts as a constant.

@@ -11,8 +11,8 @@ const FAINT: f64 = 0.01;
 
 /// Gain of the logarithm of the restricted likelihood on one joint by the columns of a law as a random effect of their own, all other
 /// strengths estimated again with and without it. A law that replaces many generic functions by one or two numbers gains; one that
-/// explains a part of what generic functions explain as well does not. `torques` are those of the arm, `[joint][row]`. None where the rows are too long for the law: less than the share
-/// `resolved` of its square remains in their means.
+/// explains a part of what generic functions explain as well does not. `torques` are those of the arm, `[joint][row]`. None where the rows
+/// are too long for the law: less than the share `resolved` of its square remains in their means.
 pub(crate) fn gain_over_generic_functions(
     data: &DataSet,
     torques: &[Vec<f64>],

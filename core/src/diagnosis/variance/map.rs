@@ -136,8 +136,8 @@ impl JointMap {
         self.parts.iter().filter(|part| part.significant && part.rms >= self.reported_from)
     }
 
-    /// The parts that stand clear of the noise, the largest first, where the residual is much larger than that and none of them is significant
-    /// by itself: the logs are too short to separate them.
+    /// The parts that stand clear of the noise, the largest first, where the residual is much larger than that and none of them is
+    /// significant by itself: the logs are too short to separate them.
     pub fn unseparated(&self) -> impl Iterator<Item = &Part> {
         let open = self.misfit && self.reported().next().is_none();
         self.parts.iter().filter(move |part| open && part.rms >= self.reported_from)

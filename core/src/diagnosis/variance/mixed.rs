@@ -4,7 +4,7 @@ use super::design::Design;
 use crate::linear::transposed_product;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
-/// Most rounds of the fixed point, and the change of every strength, over itself and the noise, at which it has settled.
+/// Most rounds of the fixed point, and the change of every strength, over itself and the noise, at which it has converged.
 const ROUNDS: usize = 40;
 const SETTLED: f64 = 1e-3;
 
@@ -130,7 +130,7 @@ pub(super) fn fit_from(design: &Design, mut strengths: Vec<f64>, mut noise: f64)
     settled(design, strengths, noise)
 }
 
-/// The fit under strengths and noise that are settled.
+/// The fit under strengths and noise that have converged.
 fn settled(design: &Design, strengths: Vec<f64>, noise: f64) -> Fit {
     let (rows, square) = (design.y.len(), design.y.norm_squared());
     let free = (rows.saturating_sub(design.rank())).max(1) as f64;

@@ -5,8 +5,8 @@
 //! the spectrum, the scale and the changes of scale of the noise (wild cluster bootstrap with residuals under the null hypothesis, which
 //! keeps its level where those of the full model are smaller than the noise: Cameron, Gelbach and Miller, 2008).
 //!
-//! A fit with more columns than there are blocks takes much of the noise in each, most of what is slow. So the residual of a block is scaled
-//! up by the inverse root of the share that the fit leaves of it (CR2: Bell and McCaffrey, 2002) before signs are flipped.
+//! A fit with more columns than there are blocks takes much of the noise in each, most of what is slow. So the residual of a block is
+//! scaled up by the inverse root of the share that the fit leaves of it (CR2: Bell and McCaffrey, 2002) before signs are flipped.
 
 use super::design::Design;
 use super::mixed::{Fit, Posterior};
@@ -16,8 +16,8 @@ use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use rand::RngExt;
 use std::ops::Range;
 
-/// Rows of 20 ms in a block: a second, several times what joint torque noise remembers once its correlation is made white; in short logs less,
-/// for more blocks than there are columns in the model.
+/// Rows of 20 ms in a block: a second, several times what joint torque noise remembers once its correlation is made white; in short logs
+/// less, for more blocks than there are columns in the model.
 const LONGEST_BLOCK: usize = 50;
 const SHORTEST_BLOCK: usize = 16;
 const BLOCKS: usize = 100;

@@ -57,8 +57,8 @@ impl Arm {
         self.trust
     }
 
-    /// Takes over values of the baseline: base parameters where the inertias are estimated; else frictions among these, then the rotor inertia
-    /// of every joint that has an equation.
+    /// Takes over values of the baseline: base parameters where the inertias are estimated; else frictions among these, then the rotor
+    /// inertia of every joint that has an equation.
     pub fn take(&mut self, model: &Model, values: &[f64]) {
         let mut standard = Model::standard_values(&self.known);
         match self.trust {

@@ -255,8 +255,8 @@ impl<'a> EffectModel<'a> {
         })
     }
 
-    /// Values of the arm's parameters as last solved for, those that effects stand for as described, in the order in which [`Arm::take`] has
-    /// them.
+    /// Values of the arm's parameters as last solved for, those that effects stand for as described, in the order in which [`Arm::take`]
+    /// has them.
     pub(super) fn baseline_of_arm(&self) -> Vec<f64> {
         let fitted = self.arm.iter().zip(&self.baseline).map(|(parameter, value)| (*parameter, *value));
         let all: Vec<(ArmParameter, f64)> = fitted.chain(self.nominal.iter().copied()).collect();

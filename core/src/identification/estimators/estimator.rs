@@ -50,14 +50,14 @@ pub trait Estimator: Sync {
     /// Estimates the parameters.
     ///
     /// # Errors
-    /// Names the joint without rows, or the parameters that the motion does not separate; if an iteration does not settle.
+    /// Names the joint without rows, or the parameters that the motion does not separate; if an iteration does not converge.
     fn estimate(&self, data: &Data) -> Result<Estimate>;
 }
 
-/// Rounds after which an iteration through simulations has not settled.
+/// Rounds after which an iteration through simulations has not converged.
 pub(super) const MOST_ROUNDS: usize = 15;
 
-/// Change of the predicted torque, root mean square over that of the residual, at which such an iteration has settled.
+/// Change of the predicted torque, root mean square over that of the residual, at which such an iteration has converged.
 const SETTLED: f64 = 1e-2;
 
 /// Whether the torque that `rows` predict changes too little between two sets of parameters for the noise `sigma` to show.
@@ -70,7 +70,7 @@ pub(super) fn settled(rows: &[JointRegression], before: &[f64], after: &[f64], s
     moved.fold(0.0, f64::max) <= SETTLED
 }
 
-/// The error of an iteration through simulations that does not settle.
+/// The error of an iteration through simulations that does not converge.
 pub(super) fn unsettled(estimator: &dyn Estimator) -> Error {
     let problem = format!("has not settled after {MOST_ROUNDS} rounds; start nearer to the truth or smooth more");
     Error::request(estimator.name(), problem)

@@ -13,10 +13,10 @@ const HUBER: f64 = 1.345;
 /// Median of the absolute value of a normal variable of unit variance.
 const NORMAL_MEDIAN: f64 = 0.674_489_750_196_082;
 
-/// Most rounds of weights. The Huber loss is convex: they settle, and the change after these is far below the noise.
+/// Most rounds of weights. The Huber loss is convex: they converge, and the change after these is far below the noise.
 const ROUNDS: usize = 30;
 
-/// Change of every weight at which they have settled.
+/// Change of every weight at which they have converged.
 const SETTLED: f64 = 1e-4;
 
 /// Huber weights within each joint, joints weighted by the median of their absolute residuals.

@@ -18,7 +18,7 @@ const BLOCKS: f64 = 40.0;
 const SHORTEST_S: f64 = 1.0;
 const LONGEST_S: f64 = 4.0;
 
-/// Fewest blocks with rows: a standard deviation from fewer says little.
+/// Fewest blocks with rows: a standard deviation from fewer is itself uncertain.
 const FEWEST: usize = 12;
 
 /// Rows of a block that are looked at for the share that the fit takes of it.
@@ -27,8 +27,8 @@ const ROWS: usize = 100;
 /// Share of a direction of a block's residual below which the fit has taken all of it.
 const TAKEN: f64 = 1e-3;
 
-/// Standard deviation of every parameter of a weighted fit, `beta` with the standard deviations `sigma` of the joints, whose rows have these
-/// `times` (not a number between logs). None where there are too few blocks, or the rows looked at do not separate the parameters.
+/// Standard deviation of every parameter of a weighted fit, `beta` with the standard deviations `sigma` of the joints, whose rows have
+/// these `times` (not a number between logs). None where there are too few blocks, or the rows looked at do not separate the parameters.
 pub(super) fn between_blocks(
     joints: &[JointRegression],
     [beta, sigma]: [&[f64]; 2],

@@ -4,7 +4,8 @@
 //! to differ between the logs, all others being common: with a column for each log its estimates solve the normal equations of these
 //! columns, the others projected out. Their covariance is cluster-robust, the clusters being blocks of a few seconds (Cameron and Miller,
 //! A practitioner's guide to cluster-robust inference, Journal of Human Resources 50, 2015): what a model lacks is not white. With more
-//! parameters than blocks a fit takes much of the residual of each, so that it is the one without the block in the fit (CR3, the jackknife).
+//! parameters than blocks a fit takes much of the residual of each, so that it is the one without the block in the fit (CR3, the
+//! jackknife).
 
 use super::blocks::{blocks_of, log_rows};
 use crate::error::Result;
@@ -18,7 +19,7 @@ use std::ops::Range;
 /// Rows of a log that are looked at: few determine whether a parameter is another.
 const ROWS: usize = 4000;
 
-/// Length of a block, longer than what is left of a motion stays alike, s; and fewest blocks of a log.
+/// Length of a block, s, longer than the correlation time of the residual; and fewest blocks of a log.
 const BLOCK_S: f64 = 4.0;
 const FEWEST_BLOCKS: f64 = 5.0;
 
@@ -310,8 +311,8 @@ mod tests {
 
     const LOG: usize = 2000;
 
-    /// Logs of 20 s of friction in the direction of motion, of which each has its own, of a wave, and of `more` slow ones that play no part;
-    /// noise of one.
+    /// Logs of 20 s of friction in the direction of motion, of which each has its own, of a wave, and of `more` slow ones that play no
+    /// part; noise of one.
     fn logs(friction: &[f64], more: usize, seed: u64) -> (JointRegression, Vec<f64>) {
         let mut source = random::stream(seed, "between logs", 0);
         let rows = LOG * friction.len();

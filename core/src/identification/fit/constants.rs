@@ -9,7 +9,7 @@ use crate::identification::regression::linear_problem::LinearProblem;
 /// Rows of a joint that are looked at: a constant needs few.
 const ROWS: usize = 4000;
 
-/// Share of a constant column that must be left over the columns of the arm: of a weight that slides up and down nothing is.
+/// Least share of a constant column orthogonal to the columns of the arm: that of a weight that slides up and down has none.
 const SEPARATE: f64 = 1e-3;
 
 /// Share of a joint's mean squared residual that a constant must make, and its least size over the root mean square torque: smaller ones

@@ -1,13 +1,14 @@
 //! Whether rows near reversals are as good as others.
 //!
-//! A row whose filter reaches a reversal, or slow motion, holds a part of the jump of friction there. Only in the model is that jump as sharp as
-//! a sign: gears wind up, lubricant sticks, and the low-pass bends the motion. Where the residual is larger there, such rows bias friction.
+//! A row whose filter reaches a reversal, or slow motion, holds a part of the jump of friction there. Only in the model is that jump as
+//! sharp as a sign: gears wind up, lubricant sticks, and the low-pass bends the motion. Where the residual is larger there, such rows bias
+//! friction.
 
 use crate::identification::regression::joint_regression::JointRegression;
 
-/// Mean squared residual near reversals over that of the other rows from which a row there is worth less than a tenth of another. Friction at
-/// low speed, which belongs to the parameters that are asked for, makes up to six times as much on real arms; a sign that is wrong in time,
-/// twenty times.
+/// Mean squared residual near reversals over that of the other rows from which a row there is worth less than a tenth of another. Friction
+/// at low speed, which belongs to the parameters that are asked for, makes up to six times as much on real arms; a sign that is wrong in
+/// time, twenty times.
 const WORSE: f64 = 10.0;
 
 /// Fewest rows for a mean square.

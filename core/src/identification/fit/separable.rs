@@ -33,7 +33,7 @@ const DEPARTURE_STARTS: [f64; 7] = [0.0, 0.25, 1.0, 2.0, -0.25, -1.0, -2.0];
 /// Step of differences, as a share of a parameter's typical size.
 const DIFFERENCE: f64 = 1e-3;
 
-/// Solutions of the linear problem in which gears and clipping sensors settle.
+/// Solutions of the linear problem after which gears and clipping sensors have converged.
 const SETTLING: usize = 3;
 
 /// What a fit with effects found.

@@ -368,7 +368,7 @@ mod tests {
 <joint name="j4" type="continuous"><parent link="l3b"/><child link="l4"/><origin xyz="0.1 0 0"/><axis xyz="1 0 0"/></joint>
 </robot>"#;
 
-    /// Regrouped into the hand's mass, the masses before it would have columns that hardly any motion tells apart.
+    /// Regrouped into the hand's mass, the masses before it would have columns that hardly any motion separates.
     #[test]
     fn masses_are_regrouped_into_the_joint_that_follows_and_carries_them() {
         let folder = tempfile::tempdir().unwrap();

@@ -148,7 +148,7 @@ impl Adding<'_> {
     fn tile_by_tile<L: Lane, const BROAD: usize>(self) {
         let Adding { columns, sums, table, rows } = self;
         let whole = rows - rows % L::WIDTH;
-        // What is left over fills lanes of its own with zeros behind it, once for all tiles.
+        // The remainder fills lanes of its own with zeros behind it, once for all tiles.
         let mut rest = Vec::new();
         if whole < rows {
             rest.resize(columns * L::WIDTH, 0.0);

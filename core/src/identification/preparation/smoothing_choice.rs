@@ -57,8 +57,8 @@ pub fn window(logs: &[&Recording], order: usize) -> Result<usize> {
     window_by_noise(&positions, order, LONGEST_OVER_USUAL * usual_window(rate_hz))
 }
 
-/// Polynomial order of a smoother that no scenario describes: even, so that the second derivative gains by it, and high enough that a window
-/// of a tenth of a second does not bend accelerations.
+/// Polynomial order of a smoother that no scenario describes: even, so that the second derivative gains by it, and high enough that a
+/// window of a tenth of a second does not bend accelerations.
 pub const USUAL_ORDER: usize = 6;
 
 /// Savitzky-Golay of order six for `logs` that no scenario describes, over the window that suits their noise; over the usual one

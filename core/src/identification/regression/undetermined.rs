@@ -4,15 +4,15 @@
 //! that leaves a joint almost at rest does the same. The part of such a column that is orthogonal to the others is below the noise: its
 //! parameter is held at the description's value, and the others take over what it would have had.
 //!
-//! Base parameters that small tilts alone separate from others, which are merged into these ([`crate::dynamics::BaseParameters`]), are held until the log
-//! shows that they differ from the description: all that is held then is the little that the tilt makes of them.
+//! Base parameters that small tilts alone separate from others, which are merged into these ([`crate::dynamics::BaseParameters`]), are held
+//! until the log shows that they differ from the description: all that is held then is the little that the tilt makes of them.
 
 use super::joint_regression::JointRegression;
 use super::joint_sums::JointSums;
 use nalgebra::{Cholesky, DMatrix, DVector};
 
-/// Share of a column's length that must be left over those before it for sums of squares to resolve it: its square is
-/// ten thousand times what rounding of the sums leaves.
+/// Least share of a column's length orthogonal to those before it that sums of squares resolve: its square is ten thousand times the
+/// rounding of the sums.
 const RESOLVED: f64 = 1e-6;
 
 /// Rounds of weighting the joints by the residual of the fit.
@@ -78,8 +78,8 @@ const SURE: f64 = 3.0;
 /// 370 is by chance; and one that is held wrongly makes less torque than three standard deviations of its estimate.
 const SHOWN: f64 = 3.0;
 
-/// The parameter that is least sure beside the largest of its unit, if its standard deviation is larger than that. One at a time: of two that
-/// the log knows together only, neither is sure, and either is once the other is held.
+/// The least determined parameter relative to the largest of its unit, if its standard deviation is larger than that. One at a time: of two
+/// that the log knows together only, neither is sure, and either is once the other is held.
 fn least_sure(
     normal: &DMatrix<f64>,
     right: &DVector<f64>,
@@ -130,7 +130,7 @@ fn equations(sums: &[JointSums], sigma: &[f64], known: &[f64]) -> (DMatrix<f64>,
     (normal, right)
 }
 
-/// Those of `candidates`, in their order, of whose column more than a `share` is left over the ones kept before it.
+/// Those of `candidates`, in their order, whose column has more than a `share` orthogonal to the ones kept before it.
 fn independent(normal: &DMatrix<f64>, candidates: Vec<usize>, share: f64) -> Vec<usize> {
     let mut kept: Vec<usize> = Vec::new();
     // Row i: what the kept column i has along the orthonormal directions of those before it, and its own length last.

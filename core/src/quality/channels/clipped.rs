@@ -11,8 +11,8 @@ const FEWEST: usize = 12;
 /// A torque whose range has fewer digits than this shows no noise while its joint rests.
 const FEW_DIGITS: f64 = 1000.0;
 
-/// Samples at the extreme over those that are one digit from it, above which it is a limit: a torque of few digits that turns round there is at
-/// its last digit two to three times as often as at the one before.
+/// Samples at the extreme over those that are one digit from it, above which it is a limit: a torque of few digits that has its peak
+/// there is at its last digit two to three times as often as at the one before.
 const TURNS_ROUND: usize = 5;
 
 /// Levels at which a torque is cut off, each with the number of samples there and the first of them; none for a torque of

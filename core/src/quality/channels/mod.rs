@@ -326,7 +326,8 @@ mod tests {
 
     #[test]
     fn torques_of_few_digits_repeat_themselves() {
-        // Of 4000 samples half of which repeat the one before, 3.9 runs of 11 are by chance, and 9e-4 of 23; of noise with all its digits, none.
+        // Of 4000 samples half of which repeat the one before, 3.9 runs of 11 are by chance, and 9e-4 of 23; of noise with all its digits,
+        // none.
         assert!(is_by_chance(11, 0.5, 4000) && is_by_chance(22, 0.5, 4000) && !is_by_chance(23, 0.5, 4000));
         assert!(!is_by_chance(11, 0.0, 4000));
     }

@@ -12,8 +12,8 @@ pub(super) const FROZEN_S: f64 = 0.1;
 /// Path that a joint or its neighbours must go meanwhile, rad or m.
 pub(super) const PATH: f64 = 0.02;
 
-/// A torque of few digits rests at zero where it changes its sign. A motor that is switched off, or on again, is more than so many last digits
-/// away from zero one sample before or behind, and rests there so many times longer than the torque does elsewhere.
+/// A torque of few digits rests at zero where it changes its sign. A motor that is switched off, or on again, is more than so many last
+/// digits away from zero one sample before or behind, and rests there so many times longer than the torque does elsewhere.
 const FALLS: f64 = 5.0;
 const LONGER: usize = 3;
 

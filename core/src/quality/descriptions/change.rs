@@ -166,8 +166,8 @@ impl Description {
         out
     }
 
-    /// The description with the columns of all joints in reverse order, as of a recorder that begins at the tip: exchanges of which none explains
-    /// anything by itself. None where two are exchanged at most, or a torque is not `measured`.
+    /// The description with the columns of all joints in reverse order, as of a recorder that begins at the tip: exchanges of which none
+    /// explains anything by itself. None where two are exchanged at most, or a torque is not `measured`.
     pub fn in_reverse_order(&self, measured: &[bool]) -> Option<Description> {
         let dof = self.dof();
         let pairs = 0..dof / 2;

@@ -15,7 +15,7 @@ const FALLS: f64 = 1.3;
 const LARGE: f64 = 2.0;
 
 /// No explained torque's held-out residual may grow by more than this factor: what makes one joint better at the cost of another
-/// explains nothing. A torque of which a model without the change explains little says nothing about the change.
+/// explains nothing. A torque of which a model without the change explains little is no evidence on the change.
 const GROWS: f64 = 1.2;
 
 /// A description is clearly worse than another where all torques together (product of the factors) gain this.

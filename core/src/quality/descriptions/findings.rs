@@ -9,7 +9,7 @@ use nalgebra::Vector3;
 /// Alternatives that are named; more mean only that the logs do not decide.
 const NAMED: usize = 4;
 
-/// Digits of a percentage at most that tell two shares apart.
+/// Most digits of a percentage by which two shares are printed as different.
 const DIGITS: usize = 2;
 
 /// Floors are level, and bases are on them, to within this angle, degrees.
@@ -194,7 +194,7 @@ fn fall(verdict: &Verdict, joints: &[String]) -> String {
     }
 }
 
-/// Two shares in as few digits as tell them apart.
+/// Two shares in the fewest digits in which they differ.
 fn apart(one: f64, other: f64) -> [String; 2] {
     let with = |digits: usize| [one, other].map(|share| format!("{:.digits$} %", 100.0 * share));
     (0..DIGITS).map(with).find(|[one, other]| one != other).unwrap_or_else(|| with(DIGITS))

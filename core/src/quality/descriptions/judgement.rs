@@ -193,8 +193,8 @@ fn changed(views: &[&View], robot: Option<&Robot>, tilt: &mut Option<Vector3<f64
     of_friction(&free, &rows, &start, &jumps::against_motion(views))
 }
 
-/// The verdict on torques whose friction would drive the joint: those of last joints are little else, and a jog has few blocks in which one moves.
-/// `against_motion` are the torques that jump against the motion at reversals.
+/// The verdict on torques whose friction would drive the joint: those of last joints are little else, and a jog has few blocks in which one
+/// moves. `against_motion` are the torques that jump against the motion at reversals.
 fn of_friction(free: &Physics, rows: &Rows, start: &Description, against_motion: &[bool]) -> Option<Verdict> {
     // Standard errors take many fits.
     if !against_motion.contains(&true) {
@@ -281,7 +281,7 @@ struct Confirmed {
     replicated: bool,
     /// The described bodies contradict it.
     unlike_bodies: bool,
-    /// Motions are changed, and no bodies are described that could tell another arm.
+    /// Motions are changed, and no bodies are described that could exclude another arm.
     without_bodies: bool,
     /// Joints whose assumed positions are as good a cause.
     assumed: Vec<String>,

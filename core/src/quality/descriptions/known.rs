@@ -80,8 +80,8 @@ fn has_no_gravity(best: &Tried, reference: &Tried) -> bool {
     reference.description.changes.is_empty() && best.description.changes == [Change::WithoutGravity]
 }
 
-/// Whether a model is not clearly worse than another. Free bodies that gain nothing by gravity show that the torque lacks it, however wrong the
-/// described masses are.
+/// Whether a model is not clearly worse than another. Free bodies that gain nothing by gravity show that the torque lacks it, however wrong
+/// the described masses are.
 fn is_no_worse(own: &Tried, other: &Tried, rows: &Rows) -> bool {
     !compare(&own.evaluation, &other.evaluation, &rows.log).is_some_and(|loss| loss.is_distinct())
 }

@@ -13,8 +13,8 @@ use nalgebra::Vector3;
 /// The sign that is lost is that of the parts between visits, or that of the others.
 const SIGNS: [f64; 2] = [1.0, -1.0];
 
-/// Whether the torque of a joint, whose sign changes at the samples of one of `turns`, is explained clearly better with that than as it is logged:
-/// by free bodies where the arm is known, else by a joint of its own.
+/// Whether the torque of a joint, whose sign changes at the samples of one of `turns`, is explained clearly better with that than as it is
+/// logged: by free bodies where the arm is known, else by a joint of its own.
 ///
 /// # Errors
 /// Those of the filters.

@@ -7,18 +7,18 @@
 //! | a description with its residuals | `tried` |
 //! | residuals under a description | `fitting` |
 //! | whether one is clearly better than another | `compare` |
-//! | whether a gain is large, and what the described bodies say to it | `known` |
+//! | whether a gain is large, and whether the described bodies support it | `known` |
 //! | which set of changes is the smallest | `search` |
 //! | whether torques are of another scale, and wrong besides | `scales` |
 //! | which of those that the logs do not separate | `settle` |
 //! | which direction of gravity needs no drive to carry weights | `weights` |
 //! | which way friction acts, without a model | `jumps` |
 //! | changes that have a size: gravity, scales, zeros | `sizes` |
-//! | what the described bodies say to the rest | `bodies` |
+//! | what the described bodies indicate about the residual | `bodies` |
 //! | whether one torque lost its sign on the way | `lost_signs` |
 //! | whether the clock is wrong, or positions are in another unit | `motion_units` |
 //! | the judgement of all of these | `judgement` |
-//! | what it says | `verdict` |
+//! | its content | `verdict` |
 //! | texts | `findings` |
 
 mod bodies;

@@ -1,8 +1,8 @@
 //! Torques of another scale than that of the described bodies, which may be wrong besides: a sign, a mounting, exchanged columns.
 //!
-//! Free bodies know nothing of a factor that all joints share, and little of one for each. What they see of several is a factor of the joint that
-//! differs most; together with those described they show them all. A further fault hides factors, and factors hide it: so the scale is judged
-//! again under what free bodies found, and under what bodies show whose torques every joint has in a unit of its own.
+//! Free bodies know nothing of a factor that all joints share, and little of one for each. What they see of several is a factor of the
+//! joint that differs most; together with those described they show them all. A further fault hides factors, and factors hide it: so the
+//! scale is judged again under what free bodies found, and under what bodies show whose torques every joint has in a unit of its own.
 
 use super::bodies::compensation;
 use super::change::{Change, Description};
@@ -99,8 +99,8 @@ impl Scales<'_> {
         Some((found.best.description, found.rivals.into_iter().map(Tried::alternative).collect()))
     }
 
-    /// The scale that all torques share, or each has, where no controller took gravity off: torques without it are small against those of the
-    /// bodies, too.
+    /// The scale that all torques share, or each has, where no controller took gravity off: torques without it are small against those of
+    /// the bodies, too.
     fn of_all(&self, start: &Description) -> Option<Own> {
         let Scaled { before, after, factors } = scale::judge(self.bodies, self.rows, start)?;
         let weightless = Tried::new(self.bodies, self.rows, start.with(Change::WithoutGravity));
@@ -115,8 +115,8 @@ impl Scales<'_> {
         Some(Own { scales: OtherScales { before, after, factors, alternatives: Vec::new() }, described })
     }
 
-    /// The logs without the gravity of the described bodies, whatever these weigh, where torques are smaller than those of the bodies: to masses
-    /// that are free, larger ones are heavier bodies.
+    /// The logs without the gravity of the described bodies, whatever these weigh, where torques are smaller than those of the bodies: to
+    /// masses that are free, larger ones are heavier bodies.
     fn compensated(&self, start: &Description, factors: &[Option<f64>]) -> Option<Tried> {
         let are_small = factors.iter().flatten().all(|factor| *factor < 1.0);
         are_small.then(|| compensation::of_masses(self.robot, self.rows, start)).flatten()

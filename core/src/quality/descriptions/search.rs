@@ -202,8 +202,9 @@ fn judged(
     judged
 }
 
-/// The best of the judged ones that is clearly better than `reference`, with its rivals and the next. Of the `first` changes that are not separable
-/// from the very best, another may be what is known of the arm otherwise; a change to what explains the torques already must be the best.
+/// The best of the judged ones that is clearly better than `reference`, with its rivals and the next. Of the `first` changes that are not
+/// separable from the very best, another may be what is known of the arm otherwise; a change to what explains the torques already must be
+/// the best.
 fn chosen(
     mut judged: Vec<(Tried, Comparison)>,
     known: &Known,

@@ -10,9 +10,9 @@ use super::sizes::{tilt, zeros};
 use super::tried::Tried;
 use super::weights;
 
-/// Described bodies are those of the torques where they leave no more than so many times what free ones do: centres of mass that are off by centimetres
-/// turn the weight of a link as zeros do, and zeros of two axes make up for a part of any wrong bodies. Under bodies that are right both
-/// leave the same, and those that are wrong by a twentieth half as much again.
+/// Described bodies are those of the torques where they leave no more than so many times what free ones do: centres of mass that are off by
+/// centimetres turn the weight of a link as zeros do, and zeros of two axes make up for a part of any wrong bodies. Under bodies that are
+/// right both leave the same, and those that are wrong by a twentieth half as much again.
 const LIKE_FREE: f64 = 1.5;
 
 /// Positions leave the limits from this on, rad (m): zeros of calibrated joints are known better.
@@ -21,8 +21,8 @@ const LEAVES: f64 = 0.1;
 /// A direction of gravity is replaced by one near it that the described bodies prefer where these leave less of the torques by this share.
 const ABOUT: f64 = 0.03;
 
-/// An outcome with all directions of gravity that the mechanism does not separate, whose rivals are compared by the limits of the joints, under
-/// the described bodies where these explain the torques, and by the weights that drives would carry. `known` is what the search knew.
+/// An outcome with all directions of gravity that the mechanism does not separate, whose rivals are compared by the limits of the joints,
+/// under the described bodies where these explain the torques, and by the weights that drives would carry. `known` is what the search knew.
 pub(super) fn settled(known: Known, bodies: Option<&Physics>, rows: &Rows, mut outcome: Outcome) -> Outcome {
     outcome.found = outcome.found.take().map(|found| {
         let mut found = within_limits(rows, with_directions(known.physics, rows, found));
@@ -39,8 +39,8 @@ pub(super) fn settled(known: Known, bodies: Option<&Physics>, rows: &Rows, mut o
     outcome
 }
 
-/// What the best and all its rivals have in common, where the described bodies explain the torques with that alone, and no clearly better with
-/// the rest: changes of which each may stand for another explain what the model lacks.
+/// What the best and all its rivals have in common, where the described bodies explain the torques with that alone, and no clearly better
+/// with the rest: changes of which each may stand for another explain what the model lacks.
 fn in_common(known: Known, bodies: &Physics, rows: &Rows, start: &Tried, found: &Found) -> Option<Found> {
     let best = &found.best.description;
     let is_shared = |change: &&Change| {
@@ -66,8 +66,8 @@ fn in_common(known: Known, bodies: &Physics, rows: &Rows, start: &Tried, found: 
     Some(Found { best, rivals: Vec::new(), next: None, gain, is_determined: true })
 }
 
-/// The same with other directions of gravity that explain the logs as well among the rivals. The logs determine none where these go on from the
-/// best one; a direction elsewhere, as the opposite one, is an alternative.
+/// The same with other directions of gravity that explain the logs as well among the rivals. The logs determine none where these go on from
+/// the best one; a direction elsewhere, as the opposite one, is an alternative.
 fn with_directions(physics: &Physics, rows: &Rows, mut found: Found) -> Found {
     let others = tilt::along_the_valley(physics, &rows.whole(), &found.best.description);
     for other in others.into_iter().filter_map(|other| Tried::new(physics, rows, other)) {
@@ -82,8 +82,8 @@ fn with_directions(physics: &Physics, rows: &Rows, mut found: Found) -> Found {
     found
 }
 
-/// Whether zeros that described bodies show, if there are any, are those of bodies that are described rightly: with them these leave about as
-/// much of the torques as free ones do. `found` is what was found under the described bodies.
+/// Whether zeros that described bodies show, if there are any, are those of bodies that are described rightly: with them these leave about
+/// as much of the torques as free ones do. `found` is what was found under the described bodies.
 pub(super) fn are_of_bodies(free: &Physics, rows: &Rows, start: &Description, found: &Tried) -> bool {
     let has_zero = found.description.changes.iter().any(|change| matches!(change, Change::ZeroOffset(..)));
     let by_free = |description: &Description| {
@@ -93,8 +93,8 @@ pub(super) fn are_of_bodies(free: &Physics, rows: &Rows, start: &Description, fo
     !has_zero || found.share() <= LIKE_FREE * by_free(start).min(by_free(&found.description))
 }
 
-/// The same with one more zero, where the described bodies explain the torques by that and not without it, and free ones no worse: of axes that are
-/// parallel these see the sum of the zeros.
+/// The same with one more zero, where the described bodies explain the torques by that and not without it, and free ones no worse: of axes
+/// that are parallel these see the sum of the zeros.
 fn with_zeros_of(bodies: &Physics, free: &Physics, rows: &Rows, mut found: Found) -> Found {
     let best = &found.best;
     let under = |description: &Description| Tried::new(bodies, rows, description.clone());
@@ -113,8 +113,8 @@ fn with_zeros_of(bodies: &Physics, free: &Physics, rows: &Rows, mut found: Found
     found
 }
 
-/// Zeros of two neighbours that make up for each other, where the described bodies explain the torques by them and far from that without, and free
-/// ones no worse: these see the sum of the zeros of parallel axes, which is none.
+/// Zeros of two neighbours that make up for each other, where the described bodies explain the torques by them and far from that without,
+/// and free ones no worse: these see the sum of the zeros of parallel axes, which is none.
 /// `before` are the logs as they are under the described bodies.
 pub(super) fn opposite_zeros(bodies: &Physics, free: &Physics, rows: &Rows, before: &Tried) -> Option<Found> {
     let under = |physics: &Physics, description: &Description| Tried::new(physics, rows, description.clone());
@@ -199,7 +199,8 @@ fn under_bodies(bodies: &Physics, rows: &Rows, found: Found) -> Found {
     let least = (0..each.len()).min_by(|&a, &b| each[a].share().total_cmp(&each[b].share()));
     let Some(least) = least.filter(|&least| each[least].share() < ALIKE) else { return found };
     let best = &each[least].evaluation;
-    // Where free bodies determine no direction of gravity, its size on the joints is that of the described masses, which are wrong by a fifth.
+    // Where free bodies determine no direction of gravity, its size on the joints is that of the described masses, which are wrong by a
+    // fifth.
     let by_masses = |place: usize| {
         let is_another = tilt::is_another_direction(&each[place], &each[least]);
         !found.is_determined && is_another && each[place].share() < each[least].share() + WRONG_MASSES

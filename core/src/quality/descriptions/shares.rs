@@ -10,5 +10,6 @@ pub(super) const WRONG_MASSES: f64 = 0.15;
 /// One torque may have a cause of its own, as a spring or a factor.
 pub(super) const FEWEST: usize = 2;
 
-/// Share from which described bodies need more torque than there is: no load, friction or rotor takes that off. Of so many joints that is enough.
+/// Share from which described bodies need more torque than there is: no load, friction or rotor takes that off. Of so many joints that is
+/// enough.
 pub(super) const MORE_THAN_ALL: f64 = 1.0;

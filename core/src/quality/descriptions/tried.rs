@@ -27,7 +27,7 @@ impl Tried {
         2 * shares.iter().filter(|share| **share < EXPLAINED).count() >= shares.len().max(1)
     }
 
-    /// What a verdict says of it beside another.
+    /// The same as an alternative in a verdict.
     pub(super) fn alternative(self) -> Alternative {
         Alternative { unexplained: self.share(), changes: self.description.changes }
     }

@@ -60,8 +60,8 @@ pub enum Shown {
     },
 }
 
-/// A direction of gravity known to within this angle, degrees, is one direction: where it is then applied, the diagnosis finds the tilt that is left.
-/// Arms are mounted along an axis for the most part: such a direction is known where no other that is tried is as good.
+/// A direction of gravity known to within this angle, degrees, is one direction: where it is then applied, the diagnosis finds the tilt
+/// that is left. Arms are mounted along an axis for the most part: such a direction is known where no other that is tried is as good.
 const NARROW: f64 = 8.0;
 const NARROW_ALONG_AN_AXIS: f64 = 18.0;
 

@@ -87,8 +87,8 @@ fn directions(start: &Description) -> impl Iterator<Item = Change> {
     along_axes([size, -size]).map(Change::Gravity)
 }
 
-/// The part of a weight by which the drive of a joint that slides pushes beyond what a balancer could; zero where no such joint is. None where
-/// nothing can be fitted.
+/// The part of a weight by which the drive of a joint that slides pushes beyond what a balancer could; zero where no such joint is. None
+/// where nothing can be fitted.
 pub(super) fn beyond_weight(bodies: &Physics, rows: &Rows, description: &Description) -> Option<f64> {
     let slides = Slides::new(bodies, rows, description)?;
     match slides.heaviest.iter().flatten().next() {

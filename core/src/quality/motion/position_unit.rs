@@ -173,7 +173,7 @@ fn fitting(
     let shown_by_velocity = units.others.into_iter().find(|unit| of_velocity(*unit));
     let fits = |(place, unit): (usize, OtherUnit)| {
         let ratio = unit.in_si();
-        // Angles that were kept within a whole turn may be turns away from where the joint says it is.
+        // Angles that were kept within a whole turn may be whole turns away from the range of the joint.
         let turn = if units.si == TURNS.si { TAU * ratio } else { f64::INFINITY };
         let away = (0.5 * (low + high) / turn).round();
         let away = if (1.0..=TURNS_AWAY).contains(&away.abs()) { away * turn } else { 0.0 };

@@ -35,7 +35,7 @@ pub struct JointSummary {
     pub torque_rms: f64,
     /// Part of the torque that the joint's own model leaves unexplained, root mean square over root mean square.
     pub unexplained: Option<f64>,
-    /// The constant torque that the joint's model lacks, and what it leaves unexplained with that.
+    /// The constant torque that the joint's model lacks, and the share that is unexplained with it.
     #[serde(skip)]
     pub constant: Option<Constant>,
     /// Time by which the torque lags the motion, s, where it can be estimated.

@@ -23,8 +23,8 @@ pub(crate) fn text(ms: f64) -> String {
     )
 }
 
-/// A finding where the counts are no ms, and nothing shows what they are: joints of which these are the speeds in ms, over their limits, would be too
-/// fast.
+/// A finding where the counts are no ms, and nothing shows what they are: joints of which these are the speeds in ms, over their limits,
+/// would be too fast.
 pub(crate) fn too_fast(speeds: impl Iterator<Item = f64>) -> Option<Finding> {
     let mut speeds: Vec<f64> = speeds.collect();
     speeds.sort_by(f64::total_cmp);

@@ -16,8 +16,8 @@ const COSTS: f64 = 2.0;
 const ALONE_S: f64 = 0.015;
 const ALONE_COSTS: f64 = 4.0;
 
-/// Dead times of signals that two programs log are no longer than this, s. Those are looked for in steps first, which a motion of three turns per
-/// second cannot hide, and at every sample around the best.
+/// Dead times of signals that two programs log are no longer than this, s. Those are looked for in steps first, which a motion of three
+/// turns per second cannot hide, and at every sample around the best.
 const FAR_S: f64 = 0.5;
 const STEP_S: f64 = 0.02;
 
@@ -122,7 +122,7 @@ impl Lags {
         }
         let text = format!(
             "this torque comes {:.0} ms behind its motion, and the others do not: it is filtered or logged late, or its drive or gear lags; \
-             `tauscope diagnose` tells a torque_lag from a time_delay and an elastic gear",
+             `tauscope diagnose` separates a torque_lag from a time_delay and an elastic gear",
             1e3 * lag.samples * view.period
         );
         Some(Finding::new(Kind::DeadTime, Severity::Note, format!("tau{}", joint + 1), text))

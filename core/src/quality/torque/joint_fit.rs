@@ -4,7 +4,7 @@ use crate::channels::Channels;
 use crate::linear::{OrthonormalBasis, length};
 use crate::quality::motion::Constant;
 
-/// A column of a model of which no more than this share is left over the others is left out: it would take up noise.
+/// A column of a model is left out where no more than this share of it is orthogonal to the others: it would fit noise.
 const WEAK: f64 = 3e-5;
 
 /// Fewest rows per column.
@@ -47,7 +47,7 @@ impl JointFit {
         length(&self.basis.residual(&torque)) / length(&torque).max(f64::MIN_POSITIVE)
     }
 
-    /// The constant that explains most of what the model leaves of a torque; None where the model has one.
+    /// The constant that explains most of the residual of a torque; None where the model has one.
     pub(super) fn constant(&self, tau: &[f64]) -> Option<Constant> {
         let torque = self.torque(tau, 0);
         let own = self.basis.residual(&vec![1.0; torque.len()]);

@@ -1,7 +1,8 @@
 //! Samples that cannot be used, and values that are not those of a sensor.
 //!
-//! In: columns as the file has them, or a recording in seconds. Out: numbers that stand for a missing value, the columns without values, the rows without those that are not
-//! finite, absurd or out of order ([`Rejected`]), torques without those that never change, positions without jumps by whole turns.
+//! In: columns as the file has them, or a recording in seconds. Out: numbers that stand for a missing value, the columns without values,
+//! the rows without those that are not finite, absurd or out of order ([`Rejected`]), torques without those that never change, positions
+//! without jumps by whole turns.
 
 pub(super) mod missing;
 pub(super) mod sentinel;

@@ -115,7 +115,8 @@ fn numbers_of(name: &str) -> Vec<(String, usize)> {
 const SEPARATORS: [char; 6] = ['/', '_', '.', '-', ':', ' '];
 
 /// The numbers of joints that the file calls by the robot's names behind a prefix that all share, as `left_arm/elbow`, or the robot
-/// by the file's behind one, in columns of a quantity: name -> number counted from 1, and the prefix. None where two prefixes fit, as of two arms.
+/// by the file's behind one, in columns of a quantity: name -> number counted from 1, and the prefix. None where two prefixes fit, as of
+/// two arms.
 pub(super) fn behind_prefix(
     meanings: &[Vec<Meaning>],
     names: &[String],

@@ -58,7 +58,8 @@ pub(super) fn undo(time: &mut [f64]) -> Option<String> {
     })
 }
 
-/// The clock of rows none of which is lost: then the earliest of any second are due on one line. Many stalls make the usual step another than that.
+/// The clock of rows none of which is lost: then the earliest of any second are due on one line. Many stalls make the usual step another
+/// than that.
 fn steady(time: &[f64]) -> Option<Due> {
     let half = time.len() / 2;
     if half < WINDOW {

@@ -1,7 +1,7 @@
 //! Clocks that were set while a log was written: time jumps, and the motion goes on as if nothing were.
 //!
-//! A pause or lost rows change the positions, another recording begins elsewhere. So time is put right only where joints surely move on both sides
-//! of the jump, and each goes on at its speed.
+//! A pause or lost rows change the positions, another recording begins elsewhere. So time is put right only where joints surely move on
+//! both sides of the jump, and each goes on at its speed.
 
 use crate::signal::{changes, size_quantile};
 
@@ -17,8 +17,8 @@ const IN_ORDER: usize = 20;
 /// Share of a jump by which the times behind it may come back within as many rows.
 const STAYS: f64 = 0.5;
 
-/// A signal surely moves where its steps on both sides are more than this share of its fast ones (that which nineteen of twenty do not exceed),
-/// in one direction ..
+/// A signal surely moves where its steps on both sides are more than this share of its fast ones (that which nineteen of twenty do not
+/// exceed), in one direction ..
 const MOVES: f64 = 0.2;
 const FAST: f64 = 0.95;
 

@@ -1,4 +1,9 @@
-//! Candidates: every effect of the library at every place, at a grid of the parameters that are not linear.
+//! Candidates: every effect of the library at every place, at a grid of its nonlinear parameters.
+//!
+//! In: the arm as estimated so far, rows of the logs, whether inertias are estimated, and the names of the effects to test. Out: a list of
+//! candidates. Each is an effect on a joint (or on the whole arm) with fixed shapes (Stribeck velocity, delay, order of a ripple), the
+//! training log in which it acts or all of them, and its regressor columns per unit of each amplitude, not whitened. Columns that are
+//! rounding are zero. Where the estimate of the arm changes, columns that depend on it are renewed.
 
 mod extent;
 

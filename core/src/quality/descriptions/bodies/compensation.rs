@@ -1,5 +1,5 @@
-//! A torque from which a controller takes the gravity of the described bodies, whose masses are not quite the arm's: a part of gravity is left in it,
-//! which is that of no direction and of no bodies.
+//! A torque from which a controller takes the gravity of the described bodies, whose masses are not quite the arm's: a part of gravity is
+//! left in it, which is that of no direction and of no bodies.
 
 use super::super::change::{Change, Description};
 use super::super::compare::{EXPLAINED, compare};
@@ -10,12 +10,12 @@ use crate::dynamics::Motion;
 use crate::linear::root_mean_square;
 use crate::robot::Robot;
 
-/// What a controller leaves of gravity is less than this share of what it takes off: masses that are wrong by half leave as much. A log with all
-/// of its gravity has another arm's then, or one with other masses.
+/// What a controller leaves of gravity is less than this share of what it takes off: masses that are wrong by half leave as much. A log
+/// with all of its gravity has another arm's then, or one with other masses.
 const LEFT: f64 = 0.5;
 
-/// The logs as they are and without the gravity of the described `bodies`, where bodies of any masses explain the torques clearly better by that, and
-/// those described do not explain them as they are.
+/// The logs as they are and without the gravity of the described `bodies`, where bodies of any masses explain the torques clearly better by
+/// that, and those described do not explain them as they are.
 pub(crate) fn judged(robot: &Robot, bodies: &Physics, rows: &Rows, start: &Description) -> Option<[Tried; 2]> {
     let under = |physics: &Physics, description: &Description| Tried::new(physics, rows, description.clone());
     if start.gravity.norm() == 0.0 {

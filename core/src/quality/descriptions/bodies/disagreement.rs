@@ -10,21 +10,23 @@ use crate::quality::finding::{Finding, Kind, Severity};
 use crate::quality::view::View;
 use crate::robot::Robot;
 
-/// Share of a torque from which the described bodies, with any load, friction and rotor, do not explain it: masses that are wrong by a fifth leave
-/// half of that ..
+/// Share of a torque from which the described bodies, with any load, friction and rotor, do not explain it: masses that are wrong by a
+/// fifth leave half of that ..
 const UNLIKE: f64 = 0.3;
 
 /// .. where free bodies leave so many times less: what neither explains is friction, or noise.
 const LESS: f64 = 3.0;
 
-/// Torques that carry most of all are those of no described body where two of them stay unexplained by more than this, and all together do, as a share
-/// of the root mean square of all: a wrist of which little is known explains itself.
+/// Torques that carry most of all are those of no described body where two of them stay unexplained by more than this, and all together do,
+/// as a share of the root mean square of all: a wrist of which little is known explains itself.
 const MOST: f64 = 0.5;
 
-/// Share of the torques, as a geometric mean, up to which bodies of any masses may leave more than free ones: their shapes are described wrongly.
+/// Share of the torques, as a geometric mean, up to which bodies of any masses may leave more than free ones: their shapes are described
+/// wrongly.
 const SHAPES: f64 = 0.05;
 
-/// .. and so many times more than these: shapes that are wrong by 15 % leave one and a half times as much, those of other robots three times and more.
+/// .. and so many times more than these: shapes that are wrong by 15 % leave one and a half times as much, those of other robots three
+/// times and more.
 const UNLIKE_SHAPES: f64 = 2.0;
 
 /// Share of the torques, as a geometric mean, from which masses of the described arm that are wrong do not explain it: less is a note.
@@ -103,8 +105,8 @@ fn others_explain(bodies: &Evaluation, free: &Evaluation) -> bool {
     unlike >= FEWEST && (2 * unlike >= both.len() || more_than_all >= FEWEST) || by_load
 }
 
-/// Whether other bodies explain the torques of which all joints have the most, and those described do not; `sizes` are the root mean squares of
-/// the torques.
+/// Whether other bodies explain the torques of which all joints have the most, and those described do not; `sizes` are the root mean
+/// squares of the torques.
 fn others_explain_most([bodies, free]: [&Evaluation; 2], sizes: &[f64]) -> bool {
     let each = bodies.unexplained.iter().zip(&free.unexplained).zip(sizes);
     let each: Vec<(f64, f64, f64)> = each.filter_map(|((own, free), size)| Some(((*own)?, (*free)?, *size))).collect();

@@ -1,4 +1,4 @@
-//! What the described bodies say to torques that they do not explain as described.
+//! What the described bodies indicate where they do not explain the torques as described.
 //!
 //! | question | module |
 //! |---|---|

@@ -346,8 +346,8 @@ fn with_signs(
     }
 }
 
-/// The places that are held at zero one after the other, the most negative first, until none of those that cannot be negative is. Holding one
-/// changes the solution and the inverse of the matrix by what its column says, so that no step needs a factor of its own.
+/// The places that are held at zero one after the other, the most negative first, until none of those that cannot be negative is. Holding
+/// one changes the solution and the inverse of the matrix by its column alone, so that no step needs a factor of its own.
 fn negative(factored: &Cholesky, solved: &DVector<f64>, nonnegative: impl Fn(usize) -> bool) -> Vec<usize> {
     let mut held = Vec::new();
     let worst = |solved: &DVector<f64>, held: &[usize]| {

@@ -1,7 +1,7 @@
 //! The torques of single bodies, whose masses may be others than those described.
 //!
-//! A mass that is described wrongly changes gravity and inertia of its body by one factor. So these columns keep the ratio of both, and with it the
-//! second of a clock, whatever the masses are.
+//! A mass that is described wrongly changes gravity and inertia of its body by one factor. So these columns keep the ratio of both, and
+//! with it the second of a clock, whatever the masses are.
 
 use crate::channels::Channels;
 use crate::dynamics::{Chain, Motion, inverse_dynamics};

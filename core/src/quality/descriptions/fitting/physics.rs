@@ -33,8 +33,8 @@ pub(crate) enum Physics {
     Bodies(Box<Robot>),
     /// The bodies as described, but for their masses: a factor of each is free, and rotors are.
     Masses(Box<Robot>),
-    /// The bodies as described, of whose torques each joint shows another multiple; rotors are free. What one joint has of them says nothing about
-    /// the others, so that a load is none.
+    /// The bodies as described, of whose torques each joint shows another multiple; rotors are free. The multiple of one joint has no
+    /// information on the others, so that no load can be estimated.
     Multiples(Box<Robot>),
     /// Nothing: each joint has gravity on a level axis and an inertia of its own.
     Alone,

@@ -1,8 +1,8 @@
 //! The factor by which a clock runs wrong, in a log without velocities: from the torques of gravity and inertia.
 //!
 //! Masses and their places act in gravity and in inertia, so that the torque of gravity gives the size of that of inertia, and with it the
-//! square of time. Free bodies show it by themselves where the clock is wrong by much: wrong masses, and inertias that are placeholders, change
-//! nothing about it. A smaller factor shows where the described bodies, whatever they weigh, show the same factor as free ones.
+//! square of time. Free bodies show it by themselves where the clock is wrong by much: wrong masses, and inertias that are placeholders,
+//! change nothing about it. A smaller factor shows where the described bodies, whatever they weigh, show the same factor as free ones.
 
 use super::super::change::{Change, Description};
 use super::super::compare::{Comparison, DISTINCT, EXPLAINED, compare};
@@ -26,8 +26,8 @@ const TRIED: [f64; 7] = [0.031_62, 0.1, 0.316_2, 1.0, 3.162, 10.0, 31.62];
 /// Halvings of the ratio of neighbours behind that: to within two per cent.
 const HALVINGS: usize = 5;
 
-/// A factor nearer to one is not reported where free bodies show it alone, and where those described show it with them: what a model lacks may
-/// look like it. Right logs of bodies whose masses are wrong by 30 % are explained best by 0.8 to 1.1.
+/// A factor nearer to one is not reported where free bodies show it alone, and where those described show it with them: what a model lacks
+/// may look like it. Right logs of bodies whose masses are wrong by 30 % are explained best by 0.8 to 1.1.
 const REPORTED: f64 = 1.7;
 const REPORTED_BY_BOTH: f64 = 1.15;
 
@@ -37,8 +37,8 @@ const OF_TEN: f64 = 0.12;
 /// Samples that are looked at, from the middle of the log.
 const MOST_SAMPLES: usize = 20_000;
 
-/// A controller whose masses are wrong by half takes off so much of gravity that inertia is three times as large against what is left: as under a
-/// clock with this factor, the square root of a third. Larger factors are none of gravity.
+/// A controller whose masses are wrong by half takes off so much of gravity that inertia is three times as large against the rest: as
+/// under a clock with this factor, the square root of a third. Larger factors are none of gravity.
 const OF_GRAVITY: f64 = 0.577;
 
 /// Motion this many times slower has no torque of inertia to speak of.
@@ -48,8 +48,8 @@ const SLOW: f64 = 1e-3;
 const FEWEST_BLOCKS: usize = 8;
 
 /// True seconds per second of the clock, where bodies explain the torques clearly better by it than by the clock, and than without
-/// inertia: a factor that only makes noisy accelerations small is none of the clock. No other change of the description explains them as well
-/// in the time of the clock.
+/// inertia: a factor that only makes noisy accelerations small is none of the clock. No other change of the description explains them as
+/// well in the time of the clock.
 ///
 /// # Errors
 /// Those of the filters.
@@ -85,8 +85,8 @@ pub(crate) fn clock_factor(log: &Recording, robot: &Robot) -> Result<Option<f64>
     Ok((!explains).then_some(factor))
 }
 
-/// A factor that the described bodies show, whatever they weigh, where free bodies confirm it: moments of inertia that are placeholders show one
-/// that free bodies deny. With the share of the torques that free bodies leave then.
+/// A factor that the described bodies show, whatever they weigh, where free bodies confirm it: moments of inertia that are placeholders
+/// show one that free bodies deny. With the share of the torques that free bodies leave then.
 fn confirmed(masses: &Timing, factor: f64, free: &Timing) -> Result<Option<(f64, f64)>> {
     let Some(rows) = masses.times.rows(factor)? else { return Ok(None) };
     let (Some(own), Some(of_free)) = (masses.tried(&rows), free.tried(&rows)) else { return Ok(None) };
@@ -149,8 +149,8 @@ impl<'a> Timing<'a> {
         Tried::new(self.physics, rows, Description::as_given(robot.dof(), robot.gravity))
     }
 
-    /// Share of the torques that stays unexplained, held out, in the rows that belong to a factor; without bound where these are fewer torques, or
-    /// hardly any rows.
+    /// Share of the torques that stays unexplained, held out, in the rows that belong to a factor; without bound where these are fewer
+    /// torques, or hardly any rows.
     fn share(&self, factor: f64) -> Result<f64> {
         let rows = self.times.rows(factor)?.filter(|rows| rows.log.len() >= FEWEST_BLOCKS);
         let tried = rows.and_then(|rows| self.tried(&rows)).filter(|tried| taking_part(tried) >= self.torques);
@@ -197,8 +197,8 @@ impl<'a> Timing<'a> {
             && !(factor < OF_GRAVITY && self.lack_gravity(rows, with, factor))
     }
 
-    /// Whether torques of which a controller takes the gravity off, in the time of the clock, are explained about as well as by a factor. What
-    /// is left of gravity where it knows the masses wrongly is small against inertia, as under a fast clock.
+    /// Whether torques of which a controller takes the gravity off, in the time of the clock, are explained about as well as by a factor.
+    /// What is left of gravity where it knows the masses wrongly is small against inertia, as under a fast clock.
     fn lack_gravity(&self, rows: &Rows, with: &Tried, factor: f64) -> bool {
         let as_logged = Rows { motion: faster(&rows.motion, factor), ..rows.clone() };
         let weightless = |physics: &Physics| {

@@ -18,8 +18,8 @@ const WITHIN: f64 = 1.05;
 /// No gear of an arm is higher.
 const HIGHEST: f64 = 500.0;
 
-/// Ratios that are tried first are so many times each other. A motion of one radian that is wrong by half of that is wrong by four degrees, which
-/// the torque of gravity still nearly follows.
+/// Ratios that are tried first are so many times each other. A motion of one radian that is wrong by half of that is wrong by four degrees,
+/// which the torque of gravity still nearly follows.
 const STEP: f64 = 1.15;
 
 /// Golden sections behind that: to within a thousandth.
@@ -31,8 +31,8 @@ const OF_UNIT: f64 = 0.05;
 /// Rows that are looked at for the ratio.
 const ROWS: usize = 500;
 
-/// The ratio of gears that all joints which turn share, where positions behind it explain the torques clearly better than those in any unit do,
-/// and than the `units` that the positions of each joint seem to be in.
+/// The ratio of gears that all joints which turn share, where positions behind it explain the torques clearly better than those in any unit
+/// do, and than the `units` that the positions of each joint seem to be in.
 ///
 /// # Errors
 /// Those of the filters.

@@ -13,11 +13,11 @@ use crate::quality::view::View;
 use crate::recording::Recording;
 use crate::robot::Robot;
 
-/// Passes over the joints, in each of which every joint is asked once: two units have little to settle.
+/// Passes over the joints, in each of which every joint is tested once: two units converge at once.
 const PASSES: usize = 3;
 
-/// Those of the `assumed` joints that are in SI units, as the torques show. The positions of a log are so many times larger than in SI units where
-/// `factors` say so, which is sure of all joints but those assumed.
+/// Those of the `assumed` joints that are in SI units, as the torques show. The positions of a log are so many times larger than in SI
+/// units as `factors` give, which is certain for all joints but those assumed.
 ///
 /// # Errors
 /// Those of the filters.
@@ -31,7 +31,7 @@ pub(crate) fn in_si_units(log: &Recording, robot: &Robot, factors: &[f64], assum
     Ok(units.in_si())
 }
 
-/// The joints whose unit is asked for, with what tells it.
+/// The joints whose unit is to be found, with the data that determine it.
 struct Units<'a> {
     physics: Physics,
     /// Rows in which the assumed joints are in SI units.
@@ -71,8 +71,8 @@ impl Units<'_> {
         Some((in_si, best))
     }
 
-    /// Joints that are clearly in SI units. Where one is, the recorder does not give all joints one unit, and the others have the units that fit
-    /// best.
+    /// Joints that are clearly in SI units. Where one is, the recorder does not give all joints one unit, and the others have the units
+    /// that fit best.
     fn in_si(&self) -> Vec<usize> {
         let count = self.assumed.len();
         let ends = [false, true].into_iter().filter_map(|in_si| self.settled(vec![in_si; count]));

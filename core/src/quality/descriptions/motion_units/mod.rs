@@ -1,8 +1,8 @@
 //! Units of the motion that show in the torques alone: the clock's second, positions in turns, joints in another unit than the others, and
 //! positions before the gears.
 //!
-//! In: one log and the arm. Out: the factor of its clock, whether its positions are in turns, joints that are in rad where others are not, or
-//! the ratio of the gears.
+//! In: one log and the arm. Out: the factor of its clock, whether its positions are in turns, joints that are in rad where others are not,
+//! or the ratio of the gears.
 
 mod clock;
 mod gears;

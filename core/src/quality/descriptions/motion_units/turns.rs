@@ -14,8 +14,8 @@ use std::f64::consts::TAU;
 /// Positions exceed the limits by no more than this factor.
 const WITHIN: f64 = 1.05;
 
-/// Whether free bodies explain the torques clearly better where the positions of joints that turn are taken for turns, which are then within
-/// their limits.
+/// Whether free bodies explain the torques clearly better where the positions of joints that turn are taken for turns, which are then
+/// within their limits.
 ///
 /// # Errors
 /// Those of the filters.

@@ -11,7 +11,7 @@ use super::super::shares::{ALIKE, WRONG_MASSES};
 use super::super::tried::Tried;
 use super::scale::{PLAUSIBLE, STEP, best, between, differ, merit, spread, without_load};
 
-/// Factors below it are not reported: torque constants, gears and described bodies are up to twice from what files say.
+/// Factors below it are not reported: torque constants, gears and described bodies differ from those of files by up to a factor of two.
 const REPORTED: f64 = 2.0;
 
 /// Factors up to so many times larger and smaller are tried: gears have up to 300, and units 1000.
@@ -110,9 +110,9 @@ pub(crate) struct OwnFactors {
     pub factors: Vec<Option<f64>>,
 }
 
-/// The factors of the torques, where they differ by more than masses make: a current or a share of the rated torque has another on each joint, and
-/// one drive may have another gear. They take the place of what was `found`, where described bodies explain the torques clearly better by
-/// them, and free ones no worse.
+/// The factors of the torques, where they differ by more than masses make: a current or a share of the rated torque has another on each
+/// joint, and one drive may have another gear. They take the place of what was `found`, where described bodies explain the torques clearly
+/// better by them, and free ones no worse.
 pub(crate) fn of_joints(
     free: &Physics,
     bodies: &Physics,
@@ -145,7 +145,8 @@ struct Search<'a> {
 }
 
 impl Search<'_> {
-    /// A factor for every torque. The ratios are those under free bodies where these determine them, the common size is that of the described ones.
+    /// A factor for every torque. The ratios are those under free bodies where these determine them, the common size is that of the
+    /// described ones.
     fn of_all(&self, alone: &[Option<f64>]) -> Option<OwnFactors> {
         let given = &self.start.description;
         let of_start = Tried::new(self.bodies, self.rows, given.clone())?;

@@ -1,8 +1,8 @@
 //! A free direction of gravity: the mounting of an arm on a slope or a rail.
 //!
 //! Not every mechanism determines it. Parallel axes do not feel on which side of their common plane gravity points, a joint that slides
-//! holds its part of it by a constant of the drive, and a single joint feels a projection. So the search starts all over the sphere and returns
-//! every valley, and a direction that was found is asked whether a valley goes on from it.
+//! holds its part of it by a constant of the drive, and a single joint feels a projection. So the search starts all over the sphere and
+//! returns every valley, and a direction that was found is asked whether a valley goes on from it.
 
 use super::super::change::{Change, Description};
 use super::super::fitting::{Physics, Rows};
@@ -37,15 +37,15 @@ const FARTHEST: f64 = 2.0;
 /// physics, not of the description.
 const NEAR: f64 = 15.0;
 
-/// A smaller tilt of the base is tried where it fits all rows better than none by so much, in the sum of the logarithms of the mean squares: what it
-/// explains is no other change.
+/// A smaller tilt of the base is tried where it fits all rows better than none by so much, in the sum of the logarithms of the mean
+/// squares: what it explains is no other change.
 const TILTS: f64 = 0.5;
 
 /// Two directions nearer than this are one, degrees.
 const SAME: f64 = 7.5;
 
-/// A valley goes on where on a circle of this radius around what was found, degrees, a direction fits about as well: by no more than this in the
-/// sum of the logarithms of the mean squares. Held-out blocks decide between them.
+/// A valley goes on where on a circle of this radius around what was found, degrees, a direction fits about as well: by no more than this
+/// in the sum of the logarithms of the mean squares. Held-out blocks decide between them.
 const CIRCLES: [f64; 2] = [25.0, 60.0];
 const ABOUT_AS_WELL: f64 = 1.0;
 
@@ -68,8 +68,8 @@ impl Merit<'_> {
         merit_of(&tables, self.rows, &description)
     }
 
-    /// The lowest place of a valley from a place in it, by steps of Newton's method with the slope and the curvature on circles: valleys are narrow,
-    /// and run in any direction.
+    /// The lowest place of a valley from a place in it, by steps of Newton's method with the slope and the curvature on circles: valleys
+    /// are narrow, and run in any direction.
     fn lowest_from(&self, start: Vector3<f64>, circles: &[f64]) -> (f64, Vector3<f64>) {
         let (mut least, mut best) = (self.of(&start), start);
         for radius in circles.iter().map(|radius| radius.to_radians()) {
@@ -227,8 +227,8 @@ pub(crate) fn has_direction_near(a: &Description, b: &Description) -> bool {
     both.iter().all(|gravity| gravity.norm() > 0.0) && within(&of_a, &of_b, NEAR)
 }
 
-/// The step from the center of a circle to the lowest place of the paraboloid through the values on it and in its center, in radii; none where that
-/// has no lowest place.
+/// The step from the center of a circle to the lowest place of the paraboloid through the values on it and in its center, in radii; none
+/// where that has no lowest place.
 fn newton_step(center: f64, around: [f64; SIDES]) -> Option<Vector2<f64>> {
     let sum = |weight: &dyn Fn(f64) -> f64| -> f64 {
         let of = |place: usize| around[place] * weight(TAU * place as f64 / SIDES as f64);

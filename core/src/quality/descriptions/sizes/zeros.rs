@@ -29,7 +29,8 @@ const REPORTED_DEG: f64 = 15.0;
 const NEAR_DEG: f64 = 2.5;
 const CONVENTION_DEG: f64 = 45.0;
 
-/// So are offsets within this of one, degrees, where the torques say no more against it than chance would: offsets of parallel axes make up for each other.
+/// So are offsets within this of one, degrees, where the torques contradict it no more than chance would: offsets of parallel axes make up
+/// for each other.
 const PERHAPS_DEG: f64 = 8.0;
 
 /// An offset fits all rows better than none by so much, in the logarithm of the mean squares.
@@ -57,8 +58,8 @@ pub(crate) fn of_single_joints(physics: &Physics, rows: &Rows, from: &Descriptio
     with_more(physics, rows, from, |_| taken.clone())
 }
 
-/// The description with offsets of two neighbours that make up for each other: the joints beyond parallel axes stay where they are, which no single
-/// offset explains.
+/// The description with offsets of two neighbours that make up for each other: the joints beyond parallel axes stay where they are, which
+/// no single offset explains.
 pub(crate) fn of_neighbours(physics: &Physics, rows: &Rows, from: &Description) -> Vec<Description> {
     let next = |joint: usize| (joint + 1 < from.dof() && rows.turns[joint + 1]).then_some(joint + 1);
     with_more(physics, rows, from, |joint| {
@@ -66,7 +67,7 @@ pub(crate) fn of_neighbours(physics: &Physics, rows: &Rows, from: &Description) 
     })
 }
 
-/// The description with an offset of one more zero, which takes one of what `taken` says for a joint.
+/// The description with an offset of one more zero, which takes one of those that `taken` gives for a joint.
 fn with_more(
     physics: &Physics,
     rows: &Rows,
@@ -184,8 +185,8 @@ fn reported(offsets: &[f64]) -> Option<Vec<f64>> {
     offsets.iter().map(of).collect()
 }
 
-/// The same offsets, by turns more or less where the joint is then within its limits or nearer to them: by whole ones, and by half ones where
-/// the torques say no more against these than chance would, as where gravity is compensated.
+/// The same offsets, by turns more or less where the joint is then within its limits or nearer to them: by whole ones, and by half ones
+/// where the torques contradict these no more than chance would, as where gravity is compensated.
 fn in_limits(rows: &Rows, from: &Description, offsets: Vec<f64>, merit: impl Fn(&[f64]) -> f64) -> Vec<f64> {
     let logged = from.with_zeros(&vec![0.0; from.dof()]).positions(&rows.motion.q);
     let turned = |joint: usize| {

@@ -25,7 +25,7 @@ fn is_of_a_model(robot: &Robot, log: &Sieved) -> bool {
     is_modelled(&[&View::new(&log.recording, Some(robot)).unwrap()], Some(robot), None)
 }
 
-/// The same as a user is told it.
+/// The same as it is reported to a user.
 fn is_reported(robot: &Robot, log: &Sieved) -> bool {
     let report = examine_together(&[log], Some(robot)).unwrap().reports.remove(0);
     report.findings.iter().any(|finding| finding.kind == Kind::ModelTorque)

@@ -54,7 +54,8 @@ fn columns_in_reverse_order_are_found_in_a_jog() {
     }
 }
 
-/// What stands beside the mounting in a jog is one of many, of which each explains some of what free bodies lack: the mounting is what all have.
+/// What is found with the mounting in a jog is one of many, of which each explains some of what free bodies lack: the mounting is what all
+/// have.
 #[test]
 fn an_arm_that_hangs_is_that_alone_in_a_jog() {
     let robot = irb();

@@ -128,7 +128,7 @@ fn a_zero_is_not_applied_where_the_bodies_are_others() {
         let zero = report.findings.iter().find(|finding| finding.kind == Kind::PositionZero).unwrap();
         let another = report.findings.iter().any(|f| f.kind == Kind::OtherRobot && f.severity > Severity::Note);
         assert_eq!(zero.severity > Severity::Note, !(another && verdict.unlike_bodies), "{:?}", report.findings);
-        // Bodies that are too heavy are also torques that are too small; either is told.
+        // Bodies that are too heavy are also torques that are too small; either is reported.
         let of_scale = report.findings.iter().any(|f| f.kind == Kind::TorqueUnit && f.severity > Severity::Note);
         assert!(applied || another || of_scale, "{:?}", report.findings);
     }

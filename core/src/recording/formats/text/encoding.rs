@@ -5,8 +5,8 @@ const BYTE_ORDER_MARK: &[u8] = b"\xEF\xBB\xBF";
 /// Bytes of the beginning that show what they are.
 const SHOWS: usize = 1000;
 
-/// The text of a file: without a byte order mark, from UTF-16 (as Windows writes "Unicode text") or Latin-1, and with a line feed behind each line
-/// where there are carriage returns alone. None of what is no text.
+/// The text of a file: without a byte order mark, from UTF-16 (as Windows writes "Unicode text") or Latin-1, and with a line feed behind
+/// each line where there are carriage returns alone. None of what is no text.
 pub(super) fn utf8_lines(mut bytes: Vec<u8>) -> Option<Vec<u8>> {
     if bytes.starts_with(BYTE_ORDER_MARK) {
         bytes.drain(..BYTE_ORDER_MARK.len());

@@ -88,8 +88,8 @@ impl Expansion<'_> {
         Ok(())
     }
 
-    /// Repeats what names joints and bodies within an element. As in MuJoCo, an equality of a part that is repeated with one that is not falls
-    /// away.
+    /// Repeats what names joints and bodies within an element. As in MuJoCo, an equality of a part that is repeated with one that is not
+    /// falls away.
     fn repeat_references(&mut self, element: &Element, suffixes: &[String]) {
         for section in &mut self.sections {
             let mut settled = Vec::new();

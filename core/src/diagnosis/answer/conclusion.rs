@@ -246,7 +246,7 @@ fn answer<'a>(
     let apart = || data_sets.iter().map(|data| map_on(&session, data, &members, options)).collect();
     let followed = mapped(&left, &session.logs.cutoffs_hz, &unexplained, &options.criteria, options.alpha, apart)?;
     unexplained.extend(followed);
-    let slow = not_separated(&left, &unexplained, &options.criteria.levels);
+    let slow = not_separated(&left, &unexplained, &options.criteria);
     unexplained.extend(slow);
     let extended_test_rms = rms(&test.valid, &extended);
     if unfinished {

@@ -291,8 +291,8 @@ fn predicts(found: &Found, noise: &[f64], criteria: &Criteria) -> Judgement {
 }
 
 /// Whether a delay or a lag is more than sampling makes: torque that is held over a step, or read at one end of it, is up to half a sample
-/// late or early. That is no finding as long as what it adds to the held-out torque, root mean square, is below the `noise` of every
-/// joint. None for all other effects.
+/// late or early. Logs may be slower than the loop that holds the torque: what is longer than half a servo cycle is of the sampling as long
+/// as it adds less than the `noise` to the held-out torque of every joint, root mean square. None for all other effects.
 ///
 /// # Errors
 /// If a log is too short to differentiate.
@@ -301,12 +301,14 @@ pub(super) fn beyond_sampling(session: &Session, found: &Found, noise: &[f64]) -
     if !matches!(placed.effect.about().nature, Nature::Delay | Nature::Lag) {
         return Ok(None);
     }
-    let period = session.logs.train.rows.logs.first().map_or(0.0, |log| log.period);
+    let Criteria { levels, verdict, .. } = &session.criteria;
+    let half_s = session.logs.train.rows.logs.first().map_or(0.0, |log| 0.5 * log.period);
+    let time_s = placed.parameters[0].abs();
     let test = &session.logs.test.rows;
     let added = session.model.arm.added_throughout(std::slice::from_ref(placed), test)?;
     let size = rms(&test.valid, &added[0]).iter().zip(noise).map(|(added, noise)| added / noise).fold(0.0, f64::max);
-    let least = session.criteria.verdict.sampling_size;
-    Ok(Some(Judgement::at_least(Gate::Sampling, size, least).or(placed.parameters[0].abs() > 0.5 * period)))
+    let is_felt = time_s > verdict.sampling_s && size >= levels.bound_std;
+    Ok(Some(Judgement::above(Gate::Sampling, time_s / half_s, 1.0).or(is_felt)))
 }
 
 /// Everything that was looked for and is not among `found`, with the size it would have needed. `multiplicity` holds the

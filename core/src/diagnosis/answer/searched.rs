@@ -1,6 +1,7 @@
 //! The search with its result reduced to what matters, and the structure that stays unexplained.
 
 use crate::diagnosis::Options;
+use crate::diagnosis::criteria::Gate;
 use crate::diagnosis::lack_of_fit::{Unexplained, unexplained};
 use crate::diagnosis::model::Session;
 use crate::diagnosis::relevance::{Minor, eliminate, hold_undetermined, with_scatter};
@@ -28,11 +29,20 @@ pub(super) fn found_that_matter(
     options: &Options,
     watch: &mut Watch,
 ) -> Result<(Selection, Vec<Minor>)> {
-    let mut selection = select(session, options, watch)?;
+    let selection = select(session, options, watch)?;
+    those_that_matter(session, selection, &[])
+}
+
+/// Takes out of what was selected the effects that do not matter; on the joints of `any_size` the smallest matters.
+fn those_that_matter(
+    session: &mut Session,
+    mut selection: Selection,
+    any_size: &[usize],
+) -> Result<(Selection, Vec<Minor>)> {
     let mut minor = Vec::new();
     // What is out changes the estimates of what stays, which must pass with these.
     loop {
-        let more = eliminate(session, &mut selection.found, &selection.whitener)?;
+        let more = eliminate(session, &mut selection.found, &selection.whitener, any_size)?;
         if more.is_empty() {
             break;
         }
@@ -53,11 +63,25 @@ impl Searched {
     /// # Errors
     /// If a log is too short to differentiate.
     pub(super) fn new(session: &mut Session, options: &Options, watch: &mut Watch) -> Result<Self> {
-        let (selection, minor) = found_that_matter(session, options, watch)?;
-        let unexplained = match watch.is_over() {
-            true => Vec::new(),
-            false => unexplained(session, &selection, options.alpha)?,
+        let all = select(session, options, watch)?;
+        let (selection, minor) = those_that_matter(session, all.clone(), &[])?;
+        if watch.is_over() {
+            return Ok(Searched { selection, minor, unexplained: Vec::new() });
+        }
+        let left = unexplained(session, &selection, options.alpha)?;
+        // An effect that is too small to matter is not, where without it structure is reported on its joint.
+        let is_too_small = |joint: usize| {
+            let of_size = minor.iter().filter(|minor| minor.failed.gate == Gate::Size);
+            of_size.flat_map(|minor| minor.found.member.placed.joints()).any(|own| own == joint)
         };
+        let any_size: Vec<usize> = left.iter().map(|left| left.joint).filter(|joint| is_too_small(*joint)).collect();
+        if any_size.is_empty() {
+            return Ok(Searched { selection, minor, unexplained: left });
+        }
+        let mut again = all;
+        again.settle(session)?;
+        let (selection, minor) = those_that_matter(session, again, &any_size)?;
+        let unexplained = unexplained(session, &selection, options.alpha)?;
         Ok(Searched { selection, minor, unexplained })
     }
 }

@@ -104,6 +104,7 @@ fn document(criteria: &Criteria) -> Value {
                 ("explained_above_noise", &json!(1.0 - criteria.share_of_excess)),
                 ("doubtful_joints", &json!(verdict.wrong_bodies - 1)),
                 ("inertias_gain", &misfit),
+                ("sampling_size", &json!(levels.bound_std)),
                 ("misdescribed", &far),
             ],
         ),

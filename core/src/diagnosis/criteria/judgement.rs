@@ -62,8 +62,7 @@ pub enum Gate {
     ImpactsAgain,
     /// They are so among moments only in which the loads of gears change as much: p-value.
     ImpactsAlike,
-    /// A delay or a lag is more than sampling makes: torque that it adds to the held-out rows of any joint, over the noise. One of more than half a
-    /// sample passes whatever it adds: torque that is held over a step, or read at one end of it, lies no farther from the motion.
+    /// A delay or a lag is more than sampling makes: its time over half a sample.
     Sampling,
     /// Structure that no law explains is significant: family-wise p-value.
     Structure,

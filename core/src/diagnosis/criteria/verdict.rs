@@ -21,12 +21,12 @@ pub struct VerdictCriteria {
     /// Wrong bodies beyond which, and joints with unexplained structure that is certain from which on, it is simpler to ask whether the
     /// inertias of the description are wrong as a whole.
     pub wrong_bodies: usize,
-    /// Torque that a delay or a lag of at most half a sample adds to a joint, over the noise, from which it is more than sampling makes.
-    pub sampling_size: f64,
+    /// Delay or lag of at most half a sample, s, that the sampling of the loop makes, however small the noise: half of a servo cycle of 2 ms.
+    pub sampling_s: f64,
 }
 
 impl Default for VerdictCriteria {
     fn default() -> Self {
-        VerdictCriteria { explained: 0.7, wrong_bodies: 2, sampling_size: 1.0 }
+        VerdictCriteria { explained: 0.7, wrong_bodies: 2, sampling_s: 1e-3 }
     }
 }

@@ -47,16 +47,21 @@ pub(crate) fn nearest(minor: &[Minor], joint: usize) -> Option<&Minor> {
     own.max_by(|a, b| a.size[joint].total_cmp(&b.size[joint]))
 }
 
-/// Takes the findings that do not matter out of `found`, and returns them.
+/// Takes the findings that do not matter out of `found`, and returns them; on the joints of `any_size` the smallest matters.
 ///
 /// # Errors
 /// If a log is too short to differentiate.
-pub(crate) fn eliminate(session: &Session, found: &mut Vec<Found>, whitener: &Whitener) -> Result<Vec<Minor>> {
+pub(crate) fn eliminate(
+    session: &Session,
+    found: &mut Vec<Found>,
+    whitener: &Whitener,
+    any_size: &[usize],
+) -> Result<Vec<Minor>> {
     if found.is_empty() {
         return Ok(Vec::new());
     }
     let members = members(found);
-    let judge = Judge::new(session, &members, whitener)?;
+    let judge = Judge::new(session, &members, whitener, any_size)?;
     let mut kept: Vec<usize> = (0..members.len()).collect();
     let mut out: Vec<(usize, Judgement, Vec<f64>)> = Vec::new();
     while let Some((index, failed, size)) = least_that_fails(&judge, &kept, session.criteria.worse) {

@@ -54,11 +54,16 @@ impl Judged {
 }
 
 impl<'a> Judge<'a> {
-    /// Of `members` in the model of `session` under the noise of `whitener`.
+    /// Of `members` in the model of `session` under the noise of `whitener`; any size matters on the joints of `any_size`.
     ///
     /// # Errors
     /// If a log is too short to differentiate.
-    pub(super) fn new(session: &'a Session<'a>, members: &'a [Member], whitener: &Whitener) -> Result<Self> {
+    pub(super) fn new(
+        session: &'a Session<'a>,
+        members: &'a [Member],
+        whitener: &Whitener,
+        any_size: &[usize],
+    ) -> Result<Self> {
         let criteria = &session.criteria;
         let fit = HeldFit::new(session, members, whitener)?;
         let rows = &session.logs.train.rows;
@@ -70,7 +75,9 @@ impl<'a> Judge<'a> {
                 let excess = (residual * residual - noise * noise).max(0.0).sqrt();
                 (criteria.share_of_torque * torque).min(criteria.share_of_excess * excess)
             });
-        let (least, on_held_out) = (least.collect(), whitener.on(&session.logs.test.rows));
+        let mut least: Vec<f64> = least.collect();
+        any_size.iter().for_each(|&joint| least[joint] = 0.0);
+        let on_held_out = whitener.on(&session.logs.test.rows);
         let all_logs = session.over_all_logs();
         let all_columns = all_logs.model.columns(&all_logs.logs.train, members)?;
         let torques = torques(&all_logs.model.arm, &all_logs.logs.train.rows);

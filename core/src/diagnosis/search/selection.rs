@@ -24,7 +24,7 @@ use std::collections::BTreeMap;
 const LOGGED: usize = 14;
 
 /// What the search came to.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(crate) struct Selection {
     /// The effects found, in the order in which they were.
     pub found: Vec<Found>,

@@ -72,10 +72,17 @@ pub(crate) fn lines(
     }
     lines.extend(where_it_lives(robot, diagnosis));
     lines.push(String::new());
-    lines.push(errors(robot, diagnosis, resimulation));
+    lines.push(error_table(robot, diagnosis, resimulation));
     lines.push(String::new());
     lines.extend(followed(robot, &diagnosis.map));
-    if !diagnosis.found.is_empty() {
+    let errors = &diagnosis.errors;
+    let is_above_noise = errors.baseline_rms[1].iter().zip(&errors.noise_floor).any(|(left, noise)| left > noise);
+    if !diagnosis.found.is_empty() && !is_above_noise {
+        lines.push(
+            "On the held-out logs the re-identified model is at the noise already: they show no gap to close."
+                .to_owned(),
+        );
+    } else if !diagnosis.found.is_empty() {
         let closed = percent(diagnosis.errors.gap_closed);
         let mut line = format!("The findings close {closed} of the gap to the noise");
         if let Some(run) = resimulation {
@@ -162,8 +169,10 @@ fn fault_lines(faults: &[DataFault]) -> Vec<String> {
 fn missed(robot: &Robot, diagnosis: &Diagnosis, found: &Found) -> String {
     let [before, after] = &found.rms;
     let gained = |j: usize| (before[j].powi(2) - after[j].powi(2)) / diagnosis.errors.noise_floor[j].powi(2);
-    let joints = found.member.candidate.joints();
-    let joint = joints.into_iter().max_by(|&a, &b| gained(a).total_cmp(&gained(b))).unwrap_or(0);
+    let most = |joints: Vec<usize>| joints.into_iter().max_by(|&a, &b| gained(a).total_cmp(&gained(b)));
+    // What sits in a joint is reported of that joint, unless only others gain by it.
+    let own = most(found.member.placed.joints()).filter(|&joint| gained(joint) > 0.0);
+    let joint = own.or_else(|| most(found.member.candidate.joints())).unwrap_or(0);
     let mut names = place(robot, found.member.candidate.family());
     for other in &found.alternatives {
         names += &format!(" or {}", place(robot, other.family));
@@ -277,7 +286,7 @@ fn where_it_lives(robot: &Robot, diagnosis: &Diagnosis) -> Option<String> {
 }
 
 /// The table of held-out errors.
-fn errors(robot: &Robot, diagnosis: &Diagnosis, resimulation: Option<&Resimulation>) -> String {
+fn error_table(robot: &Robot, diagnosis: &Diagnosis, resimulation: Option<&Resimulation>) -> String {
     let found = !diagnosis.found.is_empty();
     let identified = if diagnosis.scope.against_reference { "before the change" } else { "re-identified" };
     let (unit, names) = by_joint(robot);

@@ -19,6 +19,8 @@ pub enum Gate {
     FamilyWise,
     /// None of its shapes is best at a bound of its law: what the statistic of the test loses inside it.
     AtBound,
+    /// A law of friction over speed is likelier than friction whose sign is rounded: logarithm of the likelihood ratio to a plain sign.
+    Rounding,
     /// Torque is flat where the model exceeds the saturation limit: slope of the measured torque over the model's.
     Flat,
     /// Its p-value without the most influential blocks.
@@ -82,6 +84,7 @@ impl Gate {
         match self {
             Gate::FamilyWise => "is not significant",
             Gate::AtBound => "fits best at a bound of its parameters, where it is another law",
+            Gate::Rounding => "is no likelier than friction whose sign is rounded",
             Gate::Flat => "is not flat where the model exceeds the limit",
             Gate::Influence => "depends on two influential blocks",
             Gate::EarlierSigns => "gives an earlier finding a sign that it cannot have",

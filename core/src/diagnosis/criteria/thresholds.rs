@@ -29,8 +29,8 @@ use statrs::distribution::{ChiSquared, ContinuousCDF, Normal};
 pub struct Criteria {
     /// Least size of a finding over the torque of a joint, both root mean square: below 2 % no simulation is better for it.
     pub share_of_torque: f64,
-    /// The same over the excess of the baseline's residual over the noise: a tenth of what is missing matters however small
-    /// that is.
+    /// The same over the excess of the baseline's residual over the noise: a tenth of what is missing matters, and less than a tenth of the noise
+    /// does not.
     pub share_of_excess: f64,
     /// Factor over the baseline by which no joint's held-out residual may grow with a finding: the parameters of the arm are estimated
     /// together, and every joint's prediction moves by a few percent with any.

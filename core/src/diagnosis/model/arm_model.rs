@@ -30,6 +30,8 @@ pub struct ArmModel<'a> {
     pub arm: Arm,
     /// Joints whose gears may have play: impacts show some, but not significantly.
     pub open_play: Vec<usize>,
+    /// Gain of the log-likelihood by the likeliest rounding of the sign of friction where that was not taken, `[joint]`.
+    pub rounding_gains: Vec<f64>,
 }
 
 impl ArmModel<'_> {

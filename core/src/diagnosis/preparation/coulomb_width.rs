@@ -32,6 +32,24 @@ const FINEST: [f64; 2] = [0.95, 1.05];
 /// Joints whose gain does not count, where more than twice as many are left.
 const LEFT_OUT: usize = 2;
 
+/// What the rounding of the joints is taken for.
+#[derive(Debug)]
+pub(super) struct Likeliest {
+    /// The rounding of each joint.
+    pub rounding: Vec<Rounding>,
+    /// Gain of the log-likelihood by the likeliest rounding of each joint where that was not taken.
+    pub gains: Vec<f64>,
+}
+
+impl Likeliest {
+    /// Of the likeliest roundings that were `tried` those that are `taken`.
+    fn new(tried: &Tried, taken: Vec<Rounding>) -> Self {
+        let open =
+            |((_, gain), taken): (&(Rounding, f64), &Rounding)| if taken.width() > 0.0 { 0.0 } else { gain.max(0.0) };
+        Likeliest { gains: tried.iter().zip(&taken).map(open).collect(), rounding: taken }
+    }
+}
+
 /// Rounding of the joints and by how much more likely, in its logarithm, the torque of each is than with a plain sign.
 type Tried = Vec<(Rounding, f64)>;
 
@@ -40,7 +58,7 @@ type Tried = Vec<(Rounding, f64)>;
 ///
 /// # Errors
 /// If a log is too short to differentiate.
-pub(super) fn likeliest(session: &Session) -> Result<Vec<Rounding>> {
+pub(super) fn likeliest(session: &Session) -> Result<Likeliest> {
     let (model, train) = (session.model.base, &session.logs.train);
     let whitener = Whitener::new(&train.rows, &train.torque, &train.baseline);
     let plain = whitener.fit(&train.baseline, &train.torque);
@@ -87,15 +105,18 @@ pub(super) fn likeliest(session: &Session) -> Result<Vec<Rounding>> {
         let of_noise = |joint: usize| (plain_left[joint] - 2.0 * best[joint].1) / (rows[joint] as f64) < misfit;
         let alone = |joint: &usize| surely[*joint] && best[*joint].1 > clearly && of_noise(*joint);
         let joints = 0..model.dof();
-        return Ok(joints.map(|joint| if alone(&joint) { best[joint].0 } else { Rounding::Sharp }).collect());
+        let taken = joints.map(|joint| if alone(&joint) { best[joint].0 } else { Rounding::Sharp }).collect();
+        return Ok(Likeliest::new(&best, taken));
     }
     // The others have the form of most and its median width, if their torque does not contradict it.
     let of_fast = best.iter().zip(&shares).zip(&surely).filter(|(_, surely)| **surely);
     let of_fast: Vec<Rounding> = of_fast.map(|(((own, _), share), _)| own.scaled(1.0 / share)).collect();
     let as_most = gains(shares.iter().map(|share| of_most_joints(&of_fast).scaled(*share)).collect())?;
     let as_most = as_most.into_iter().map(|(own, gain)| if gain > 0.0 { own } else { Rounding::Sharp });
-    let all = best.into_iter().zip(surely).zip(as_most);
-    Ok(all.map(|(((own, gain), surely), as_most)| if surely && gain > odds { own } else { as_most }).collect())
+    let all = best.iter().zip(surely).zip(as_most);
+    let taken =
+        all.map(|(((own, gain), surely), as_most)| if surely && *gain > odds { *own } else { as_most }).collect();
+    Ok(Likeliest::new(&best, taken))
 }
 
 /// The commonest form, with the median of its widths.

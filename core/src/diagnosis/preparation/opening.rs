@@ -1,6 +1,6 @@
 //! How a session is opened: the low-passes that serve the logs, how sharply friction turns, and rows that are not to be used.
 
-use super::coulomb_width;
+use super::coulomb_width::{self, Likeliest};
 use super::filters::{Preparation, Prepared};
 use super::smoothing;
 use crate::diagnosis::criteria::Criteria;
@@ -40,15 +40,19 @@ impl<'a> Session<'a> {
         let (apart, cutoffs_hz) = (preparation.is_apart(), preparation.alike(cutoff_hz));
         let logs = PreparedLogs { train, test, apart, cutoffs_hz, passband };
         let (arm, knows) = (known.arm.clone(), known.clone());
-        let model = ArmModel { base: model, trust, known: knows, arm, open_play: Vec::new() };
+        let model =
+            ArmModel { base: model, trust, known: knows, arm, open_play: Vec::new(), rounding_gains: Vec::new() };
         let mut session = Session::unfitted(logs, model, criteria);
         // The Coulomb smoothing velocity is that from before a change, if one is in question; low-pass filtered torque does not determine
         // it.
-        let rounding = match known.reference.is_empty() && passband.is_none() {
+        let Likeliest { rounding, gains } = match known.reference.is_empty() && passband.is_none() {
             true if apart => coulomb_width::likeliest(&session.over_all_logs())?,
             true => coulomb_width::likeliest(&session)?,
-            false => known.arm.coulomb_rounding.clone(),
+            false => {
+                Likeliest { rounding: known.arm.coulomb_rounding.clone(), gains: vec![0.0; session.model.base.dof()] }
+            }
         };
+        session.model.rounding_gains = gains;
         let known = known.with_coulomb_rounding(rounding);
         let preparation = preparation.knowing(&known);
         if known.arm.coulomb_rounding != session.model.arm.coulomb_rounding {

@@ -1,7 +1,7 @@
 //! The gates that a finding must pass to be reported.
 
 use super::fit::HeldFit;
-use crate::diagnosis::criteria::{Gate, Judgement};
+use crate::diagnosis::criteria::{Criteria, Gate, Judgement};
 use crate::diagnosis::evidence::Gains;
 use crate::diagnosis::model::{Member, Session, is_level};
 use crate::diagnosis::noise::Whitener;
@@ -70,11 +70,8 @@ impl<'a> Judge<'a> {
         let [trained, baseline] = fit.residuals(&[]);
         let torque = rms(&rows.valid, &Column::new(rows.torque.iter().cloned()));
         let noise = whitener.noise_std();
-        let least =
-            rms(&rows.valid, &trained).into_iter().zip(&noise).zip(torque).map(|((residual, noise), torque)| {
-                let excess = (residual * residual - noise * noise).max(0.0).sqrt();
-                (criteria.share_of_torque * torque).min(criteria.share_of_excess * excess)
-            });
+        let residual = rms(&rows.valid, &trained);
+        let least = residual.iter().zip(&noise).zip(&torque).map(|((r, n), t)| least_size(*r, *n, *t, criteria));
         let mut least: Vec<f64> = least.collect();
         any_size.iter().for_each(|&joint| least[joint] = 0.0);
         let on_held_out = whitener.on(&session.logs.test.rows);
@@ -227,6 +224,13 @@ impl<'a> Judge<'a> {
     }
 }
 
+/// Least size of a finding that matters on a joint with so much residual, noise and torque, root mean squares: a share of the torque, or of
+/// what is missing beyond the noise, which is taken for no less than the noise.
+fn least_size(residual: f64, noise: f64, torque: f64, criteria: &Criteria) -> f64 {
+    let excess = (residual * residual - noise * noise).max(0.0).sqrt();
+    (criteria.share_of_torque * torque).min(criteria.share_of_excess * excess.max(noise))
+}
+
 /// Share of an excess over the noise, in squares, that is gone from `before` to `after`, both root mean square; zero where there is none.
 fn share_of_excess(before: f64, after: f64, noise: f64) -> f64 {
     let excess = before * before - noise * noise;
@@ -254,6 +258,15 @@ mod tests {
         assert!((share_of_excess(5.0, 3.0, 2.0) - 16.0 / 21.0).abs() < 1e-12);
         assert!((share_of_excess(5.0, 2.0, 2.0) - 1.0).abs() < 1e-12);
         assert_eq!(share_of_excess(2.0, 1.0, 2.0), 0.0);
+    }
+
+    #[test]
+    fn what_matters_is_a_share_of_the_torque_or_of_what_is_missing() {
+        let of = |residual: f64, noise: f64, torque: f64| least_size(residual, noise, torque, &Criteria::default());
+        // 2 % of 10; a tenth of 4, the root of 5^2 - 3^2; a tenth of the noise where nothing is missing.
+        assert!((of(50.0, 1.0, 10.0) - 0.2).abs() < 1e-12);
+        assert!((of(5.0, 3.0, 1e3) - 0.4).abs() < 1e-12);
+        assert!((of(3.0, 3.0, 1e3) - 0.3).abs() < 1e-12 && (of(2.0, 3.0, 1e3) - 0.3).abs() < 1e-12);
     }
 
     #[test]

@@ -156,6 +156,15 @@ impl Trial<'_> {
         if !inside.passed {
             return refused(inside, false);
         }
+        if effect.about().nature == Nature::OfSpeed {
+            // The rounding has one parameter less, and most arms that are simulated have it.
+            let of_rounding = self.session.model.rounding_gains.get(*joint).copied().unwrap_or_default();
+            let least = of_rounding + self.session.criteria.levels.log_odds;
+            let beyond = Judgement::above(Gate::Rounding, 0.5 * winner.test.statistic, least);
+            if !beyond.passed {
+                return refused(beyond, false);
+            }
+        }
         let elsewhere = if is_level(*effect) {
             let slope = slope_beyond(&self.session.model.arm, &self.session.logs.train.rows, *joint, parameters[0]);
             tracing::debug!(slope, level = parameters[0], "torque beyond a level");

@@ -308,6 +308,8 @@ fn error_table(robot: &Robot, diagnosis: &Diagnosis, resimulation: Option<&Resim
     }
     header.push("noise");
     columns.push(&diagnosis.errors.noise_floor);
+    header.push("of sensor");
+    columns.push(&diagnosis.errors.sensor_noise);
     let rows = names.into_iter().enumerate().map(|(joint, name)| {
         let value =
             |value: f64| if diagnosis.logs.equations[joint] { significant(value) } else { significant(f64::NAN) };
@@ -342,7 +344,14 @@ fn unseen(robot: &Robot, diagnosis: &Diagnosis) -> Option<String> {
         return None;
     }
     let is_asked_about = |name: &str| effects::find(name).is_ok_and(|effect| effect.is_asked_about());
-    let seen = diagnosis.not_found.iter().filter_map(|missed| Some((missed, missed.minimum_detectable?)));
+    // Where structure is unexplained the noise is not all that there is, and no size is known to be found.
+    let is_clear = |family: Family| {
+        let own = joints(robot, family);
+        let mut left = diagnosis.unexplained.iter().map(|left| &robot.joints[left.joint].name);
+        !left.any(|joint| own.is_empty() || own.contains(joint))
+    };
+    let clear = diagnosis.not_found.iter().filter(|missed| is_clear(missed.family));
+    let seen = clear.filter_map(|missed| Some((missed, missed.minimum_detectable?)));
     let shown: Vec<String> = seen
         .filter(|(missed, _)| is_asked_about(missed.family.effect))
         .scan(Vec::new(), |shown: &mut Vec<&str>, (missed, size)| {

@@ -1,8 +1,9 @@
 //! The whole way from logs to the answer, and from the answer back to the simulator.
 
-use super::diagnosis::{self, Diagnosis, Errors, LogSummary, OfSampling, Scope, next_experiment, not_found, withdraw};
+use super::diagnosis::{self, Diagnosis, Errors, LogSummary, OfSampling, Scope, next_experiment, withdraw};
 use super::extended::ExtendedModel;
 use super::inertias::{Gain, all_inertias};
+use super::not_found::not_found;
 use super::outcome::{Conclusion, Measured};
 use super::quantities::{Evidence, Residuals, derived, residual_structure};
 use super::resimulation::{Replay, joints_of};
@@ -29,6 +30,9 @@ use crate::signal::white_noise;
 /// Slowest rate of a log: its rows are means over a fiftieth of a second, Hz; and by how much of itself a clock may go slow.
 const SLOWEST_RATE_HZ: f64 = 50.0;
 const SLOW_CLOCK: f64 = 0.01;
+
+/// Length of a row, s.
+const ROW_S: f64 = 1.0 / SLOWEST_RATE_HZ;
 
 /// Rates closer than this factor are one.
 const SAME_RATE: f64 = 1.2;
@@ -292,6 +296,9 @@ fn answer<'a>(
         prediction_std,
         gap_closed,
         structure: [residual_structure(test, &simulation), residual_structure(test, &extended)],
+        sensor_noise: (0..session.model.base.dof())
+            .map(|joint| session.logs.train.rows.sensor_noise(joint, ROW_S).max(test.sensor_noise(joint, ROW_S)))
+            .collect(),
         noise_floor,
     };
     let scope = Scope {

@@ -1,38 +1,20 @@
 //! The answer with its evidence: which names stand, what was not found, and what to do next.
 
 use super::inertias::Gain;
+use super::not_found::NotFound;
 use super::quantities::{Derived, Evidence, ResidualStructure, Share};
-use crate::diagnosis::Options;
 use crate::diagnosis::criteria::{Criteria, Gate, Judgement, Levels};
-use crate::diagnosis::evidence::Multiplicity;
 use crate::diagnosis::lack_of_fit::{LOGS_DISAGREE, Unexplained};
 use crate::diagnosis::logs::LowPass;
-use crate::diagnosis::model::{Family, Member, Session, is_candidate, is_wanted, places};
+use crate::diagnosis::model::{Member, Session};
 use crate::diagnosis::regression::rms;
 use crate::diagnosis::relevance::{Minor, nearest};
-use crate::diagnosis::search::{Alternative, Found, Rejected, Verdict};
+use crate::diagnosis::search::{Found, Rejected, Verdict};
 use crate::diagnosis::variance::ResidualMap;
-use crate::effects::{LIBRARY, Nature, Parameter, Placed, Rounding};
+use crate::effects::{Nature, Rounding};
 use crate::error::Result;
 use crate::payload::Payload;
 use crate::robot::Robot;
-use statrs::distribution::{ContinuousCDF, Normal};
-use std::collections::BTreeMap;
-
-/// Probability with which an effect of the minimum detectable size is found.
-const POWER: f64 = 0.8;
-
-/// An effect that was looked for and not found.
-#[derive(Debug, Clone)]
-pub struct NotFound {
-    /// What and where.
-    pub family: Family,
-    /// The smallest value of its first parameter that would have been found with a probability of 80 %; None where the
-    /// logs do not separate it from the baseline.
-    pub minimum_detectable: Option<f64>,
-    /// Unit of that.
-    pub unit: &'static str,
-}
 
 /// A delay or lag of the torque that is of the sampling.
 #[derive(Debug, Clone, Copy)]
@@ -142,8 +124,10 @@ pub struct LogSummary {
 /// ```
 #[derive(Debug, Clone)]
 pub struct Errors {
-    /// Standard deviation of the torque's noise.
+    /// Standard deviation of the torque's noise, as estimated from the residual: what no test separates from noise is part of it.
     pub noise_floor: Vec<f64>,
+    /// White noise of the measured torque: what its sensors account for.
+    pub sensor_noise: Vec<f64>,
     /// Torque of the held-out logs.
     pub test_torque_rms: Vec<f64>,
     /// Residual of the arm as described on the held-out logs.
@@ -309,54 +293,6 @@ pub(super) fn beyond_sampling(session: &Session, found: &Found, noise: &[f64]) -
     let size = rms(&test.valid, &added[0]).iter().zip(noise).map(|(added, noise)| added / noise).fold(0.0, f64::max);
     let is_felt = time_s > verdict.sampling_s && size >= levels.bound_std;
     Ok(Some(Judgement::above(Gate::Sampling, time_s / half_s, 1.0).or(is_felt)))
-}
-
-/// Everything that was looked for and is not among `found`, with the size it would have needed. `multiplicity` holds the
-/// number of independent tests, `sensitivity` the standard deviation of every family's first parameter.
-pub(super) fn not_found(
-    session: &Session,
-    found: &[Found],
-    multiplicity: &Multiplicity,
-    sensitivity: &BTreeMap<Family, (usize, f64)>,
-    options: &Options,
-) -> Vec<NotFound> {
-    let normal = Normal::standard();
-    let factor = |kind: &str| {
-        normal.inverse_cdf(1.0 - options.alpha / (2.0 * multiplicity.tests(kind))) + normal.inverse_cdf(POWER)
-    };
-    let taken: Vec<Family> = found
-        .iter()
-        .flat_map(|found| {
-            let others = found.alternatives.iter().map(|Alternative { family, .. }| *family);
-            [found.member.candidate.family()].into_iter().chain(others)
-        })
-        .collect();
-    let change = session.logs.train.rows.of_change();
-    LIBRARY
-        .iter()
-        .filter(|effect| {
-            is_candidate(**effect, options.trust, &options.candidates)
-                || (change && is_wanted(**effect, &options.candidates))
-        })
-        .flat_map(|effect| {
-            places(*effect, session.model.base.robot())
-                .into_iter()
-                .map(move |joint| (effect, Family { effect: effect.about().name, joint }))
-        })
-        .filter(|(_, family)| !taken.contains(family))
-        .map(|(effect, family)| {
-            let seen = sensitivity.get(&family);
-            let index = seen.map_or(0, |(index, _)| *index);
-            let Parameter { lower, upper, .. } = effect.parameters()[index];
-            let unit = Placed::typical(*effect, family.joint).unit(index, session.model.base.robot());
-            // What no arm can have, no log can show.
-            let sizes = 0.0..=upper.max(-lower);
-            let minimum_detectable = seen
-                .map(|(_, std)| factor(family.effect) * std)
-                .filter(|size| *size > 0.0 && size.is_finite() && sizes.contains(size));
-            NotFound { family, minimum_detectable, unit }
-        })
-        .collect()
 }
 
 /// What to do next; `described` is the root mean square that the arm as described leaves of the held-out logs, `left` that of the extended

@@ -42,6 +42,7 @@ pub(super) struct Document {
     #[serde(skip_serializing_if = "Option::is_none")]
     effective_tests: Option<f64>,
     noise_floor_nm: Vec<f64>,
+    sensor_noise_nm: Vec<f64>,
     test_torque_rms_nm: Vec<f64>,
     simulation: Simulation,
     baseline: Baseline,
@@ -318,6 +319,7 @@ impl Document {
             torque_cutoff_hz: diagnosis.logs.passband.map(|low_pass| low_pass.hz),
             effective_tests: Some(diagnosis.scope.effective_tests),
             noise_floor_nm: known(&diagnosis.errors.noise_floor),
+            sensor_noise_nm: known(&diagnosis.errors.sensor_noise),
             test_torque_rms_nm: known(&diagnosis.errors.test_torque_rms),
             simulation: Simulation {
                 test_rms_nm: known(&diagnosis.errors.simulation_test_rms),

@@ -11,6 +11,7 @@ use crate::diagnosis::regression::Column;
 use crate::error::{Error, Result};
 use crate::identification::equal_states::States;
 use crate::recording::Recording;
+use crate::signal::white_noise;
 use std::f64::consts::PI;
 use std::ops::Range;
 use std::sync::OnceLock;
@@ -60,6 +61,15 @@ pub struct Rows {
 }
 
 impl Rows {
+    /// White noise of the measured torque of a joint in means over so many seconds, of the noisiest log, N m: what its sensor accounts for.
+    pub fn sensor_noise(&self, joint: usize, averaged_s: f64) -> f64 {
+        let of_log = |log: &Log| {
+            let finite: Vec<f64> = log.torque.channel(joint).iter().copied().filter(|x| x.is_finite()).collect();
+            white_noise(&finite) * (log.period / averaged_s).sqrt()
+        };
+        self.logs.iter().map(of_log).fold(0.0, f64::max)
+    }
+
     /// Makes logs ready with positions smoothed at `cutoff_hz`; `fewest` rows must count on every joint.
     ///
     /// # Errors

@@ -11,7 +11,6 @@ use crate::diagnosis::model::DataSet;
 use crate::diagnosis::regression::{Column, Projection};
 use crate::identification::effect_model::Arm;
 use crate::linear::{inner_product, root_mean_square};
-use crate::signal::white_noise;
 use nalgebra::DVector;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -225,12 +224,7 @@ fn of_joint(source: &Source, joint: usize, criteria: &StructureCriteria, seed: u
     let rows = source.rows;
     let valid = rows.torque[joint].iter().zip(&rows.valid[joint]).filter(|(_, ok)| **ok).map(|(x, _)| *x);
     let averaged_s = ROW_S * together(rows) as f64;
-    let per_log = rows.logs.iter().map(|log| {
-        let channel = log.torque.channel(joint);
-        let finite: Vec<f64> = channel.iter().copied().filter(|x| x.is_finite()).collect();
-        white_noise(&finite) * (log.period / averaged_s).sqrt()
-    });
-    let sensor_noise = per_log.fold(0.0, f64::max);
+    let sensor_noise = rows.sensor_noise(joint, averaged_s);
     let residual = root_mean_square(&coloured(design.y.as_slice(), &design, rho));
     let noise = (fitted.noise / (1.0 - rho * rho)).sqrt();
     JointMap {

@@ -1,6 +1,6 @@
 //! `[[effect]]` tables: effects by name, joint and parameters.
 
-use crate::effects::{self, Effect, Parameter, Placed, Scope};
+use crate::effects::{self, Effect, Parameter, Placed, Scope, did_you_mean};
 use crate::robot::Robot;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -77,9 +77,7 @@ pub fn joint(effect: &dyn Effect, name: Option<&str>, robot: &Robot) -> Result<u
 fn index(effect: &dyn Effect, name: &str) -> Result<usize, String> {
     effect.parameters().iter().position(|parameter| parameter.name == name).ok_or_else(|| {
         let names: Vec<&str> = effect.parameters().iter().map(|parameter| parameter.name).collect();
-        let nearest =
-            names.iter().max_by(|a, b| strsim::jaro_winkler(a, name).total_cmp(&strsim::jaro_winkler(b, name)));
-        let hint = nearest.map_or(String::new(), |nearest| format!("; did you mean `{nearest}`?"));
+        let hint = did_you_mean(name, names.iter().copied());
         format!("`{}` has no parameter `{name}`{hint} It has {}", effect.about().name, names.join(", "))
     })
 }

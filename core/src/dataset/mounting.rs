@@ -2,11 +2,8 @@
 
 use super::description::Dataset;
 use crate::error::Result;
-use crate::robot::{Inertia, Robot};
+use crate::robot::{Inertia, LARGEST_GRAVITY, Robot};
 use nalgebra::{Matrix3, Vector3};
-
-/// No arm is mounted where gravity is larger, m/s2.
-const LARGEST_GRAVITY: f64 = 1e3;
 
 impl Dataset {
     /// Puts the mounting and the known payload on an arm.
@@ -17,7 +14,7 @@ impl Dataset {
         if let Some(gravity) = self.spec.mounting.gravity_m_s2 {
             let gravity = Vector3::from(gravity);
             if !gravity.norm().is_finite() || gravity.norm() > LARGEST_GRAVITY {
-                let problem = format!("{:?} is no gravity in m/s2", gravity.as_slice());
+                let problem = format!("{:?} is no gravity in m/s2: give it as in [0, 0, -9.81]", gravity.as_slice());
                 return Err(self.error("mounting.gravity_m_s2", problem));
             }
             robot.gravity = gravity;

@@ -41,20 +41,41 @@ pub static LIBRARY: &[&dyn Effect] = &[
     &ViscousFriction,
 ];
 
+/// Least similarity (Jaro-Winkler) of a name that is suggested in place of another.
+const SIMILAR: f64 = 0.75;
+
+/// A question for the name most like `name`, as the end of a sentence; a semicolon where none is like it.
+#[doc(hidden)]
+pub fn did_you_mean(name: &str, names: impl Iterator<Item = &'static str>) -> String {
+    let each = names.map(|other| (strsim::jaro_winkler(other, name), other));
+    match each.max_by(|a, b| a.0.total_cmp(&b.0)) {
+        Some((similarity, nearest)) if similarity >= SIMILAR => format!("; did you mean `{nearest}`?"),
+        _ => ";".to_owned(),
+    }
+}
+
 /// The effect called `name`.
 ///
 /// # Errors
 /// Suggests the nearest name there is.
 pub fn find(name: &str) -> Result<&'static dyn Effect> {
     LIBRARY.iter().copied().find(|effect| effect.about().name == name).ok_or_else(|| {
-        let nearest = LIBRARY
-            .iter()
-            .map(|effect| effect.about().name)
-            .max_by(|a, b| strsim::jaro_winkler(a, name).total_cmp(&strsim::jaro_winkler(b, name)));
-        let hint = nearest.map_or(String::new(), |nearest| format!("; did you mean `{nearest}`?"));
+        let hint = did_you_mean(name, LIBRARY.iter().map(|effect| effect.about().name));
         Error::request(
             format!("effect `{name}`"),
             format!("there is no such effect{hint} `tauscope effects` lists them"),
         )
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_a_name_that_is_like_it_is_suggested() {
+        let hint = |name: &str| did_you_mean(name, LIBRARY.iter().map(|effect| effect.about().name));
+        assert_eq!(hint("stribek_friction"), "; did you mean `stribeck_friction`?");
+        assert_eq!(hint("foo"), ";");
+    }
 }

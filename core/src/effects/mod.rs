@@ -43,7 +43,7 @@ pub use about::{About, Hidden, Nature, Parameter, Rival, Role, Scope, Site};
 pub use along::{Along, Contribution, contribution, contributions, direction};
 pub(crate) use bodies::seen_from_parent;
 pub use bodies::{BaseTilt, ExternalContact, GravityBalancer, JointSpring, LinkInertiaError, Payload, RotorInertia};
-pub use catalogue::{LIBRARY, find};
+pub use catalogue::{LIBRARY, did_you_mean, find};
 pub(crate) use encoder::behind_encoder;
 pub use friction::{
     CoulombFriction, FrictionAsymmetry, FrictionWarmUp, LoadDependentFriction, NonlinearViscousFriction,

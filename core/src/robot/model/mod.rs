@@ -15,7 +15,7 @@ mod tree;
 mod units;
 
 pub use arm::Robot;
-pub use constants::{GRAVITY, LARGEST};
+pub use constants::{GRAVITY, LARGEST, LARGEST_GRAVITY};
 pub use coupling::{Coupling, LinearMap};
 pub use inertia::{Inertia, PARAMETERS, SYMBOLS, UNITS};
 pub use joint::{Drive, Joint, JointKind, Limits};

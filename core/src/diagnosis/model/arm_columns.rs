@@ -5,7 +5,7 @@ use crate::channels::Channels;
 use crate::diagnosis::logs::{Log, Rows};
 use crate::diagnosis::regression::Column;
 use crate::dynamics::{Motion, inverse_dynamics};
-use crate::effects::{Along, Contribution, Placed, Scope, Site, behind_encoder, behind_gears};
+use crate::effects::{Along, Contribution, Placed, Rounding, Scope, Site, behind_encoder, behind_gears};
 use crate::error::Result;
 use crate::identification::effect_model::{Arm, Geared, Trust, law_sites, laws};
 use crate::identification::model::Model;
@@ -33,18 +33,14 @@ impl Arm {
     /// estimated all base parameters.
     pub fn baseline(&self, model: &Model, rows: &Rows) -> Vec<Column> {
         let tables: Vec<Vec<Channels>> = rows.logs.par_iter().map(|log| model.columns(&log.motion, 0.0)).collect();
-        let dry = |b: usize| model.base().kept()[b] % STANDARD == COULOMB;
-        let base = (0..model.base().len()).filter(|&b| self.trust() == Trust::Structure || model.is_friction(b));
-        let mut columns: Vec<Column> = base
+        let mut columns: Vec<Column> = self
+            .base(model)
             .map(|b| {
+                if is_dry(model, b) {
+                    return dry_column(model, b, rows, &self.coulomb_rounding);
+                }
                 let on = |joint: usize| {
                     let place = model.active(joint).into_iter().position(|other| other == b)?;
-                    if dry(b) {
-                        let rounding = self.coulomb_rounding[joint];
-                        let turned =
-                            |log: &Log| log.motion.qd.channel(joint).iter().map(|&v| rounding.direction(v)).collect();
-                        return Some(rows.signal(turned));
-                    }
                     let logs = rows.logs.iter().zip(&tables);
                     Some(logs.flat_map(|(log, table)| log.as_logged(table[joint].channel(place))).collect())
                 };
@@ -59,6 +55,18 @@ impl Arm {
             );
         }
         columns
+    }
+
+    /// Base parameters with a column in the baseline.
+    fn base<'m>(&self, model: &'m Model) -> impl Iterator<Item = usize> + use<'m> {
+        let trust = self.trust();
+        (0..model.base().len()).filter(move |&b| trust == Trust::Structure || model.is_friction(b))
+    }
+
+    /// Columns of Coulomb friction whose sign is rounded otherwise, each with its place in the baseline.
+    pub fn dry_columns(&self, model: &Model, rows: &Rows, rounding: &[Rounding]) -> Vec<(usize, Column)> {
+        let dry = self.base(model).enumerate().filter(|&(_, b)| is_dry(model, b));
+        dry.map(|(place, b)| (place, dry_column(model, b, rows, rounding))).collect()
     }
 
     /// Torque that is known before anything is fitted: that of the bodies where their inertias are taken from the URDF.
@@ -268,4 +276,18 @@ fn over_rows<'a>(rows: &Rows, of: impl Fn(usize, usize) -> Option<&'a [f64]>) ->
 /// Torques of all logs, `[joint][time]`, at their own rates as a column over the rows.
 pub(super) fn all_over_rows(rows: &Rows, logs: &[Channels]) -> Column {
     over_rows(rows, |log, joint| Some(logs[log].channel(joint)))
+}
+
+/// Whether a base parameter is Coulomb friction.
+fn is_dry(model: &Model, b: usize) -> bool {
+    model.base().kept()[b] % STANDARD == COULOMB
+}
+
+/// Column of Coulomb friction: the direction of motion, with the `rounding` of each joint.
+fn dry_column(model: &Model, b: usize, rows: &Rows, rounding: &[Rounding]) -> Column {
+    let on = |joint: usize| {
+        let turned = |log: &Log| log.motion.qd.channel(joint).iter().map(|&v| rounding[joint].direction(v)).collect();
+        model.active(joint).contains(&b).then(|| rows.signal(turned))
+    };
+    Column::new((0..rows.dof()).map(|joint| on(joint).unwrap_or_default()))
 }

@@ -6,7 +6,7 @@
 
 use crate::diagnosis::criteria::Levels;
 use crate::diagnosis::logs::Log;
-use crate::diagnosis::model::{DataSet, Session};
+use crate::diagnosis::model::Session;
 use crate::diagnosis::noise::Whitener;
 use crate::diagnosis::regression::Projection;
 use crate::effects::{Nature, Rounding};
@@ -67,33 +67,39 @@ pub(super) fn likeliest(session: &Session) -> Result<Likeliest> {
         (0..model.dof()).map(of_joint).collect()
     };
     let plain_left = left(&plain);
-    let gains = |rounding: Vec<Rounding>| -> Result<Tried> {
-        let known = session.model.known.with_coulomb_rounding(rounding.clone());
-        let DataSet { baseline, torque, .. } = DataSet::new(model, &known, train.rows.clone(), train.training)?;
-        let with = left(&whitener.fit(&baseline, &torque));
+    // A rounding changes the columns of Coulomb friction alone: all others are fitted once.
+    let arm = &session.model.arm;
+    let dry: Vec<usize> =
+        arm.dry_columns(model, &train.rows, &arm.coulomb_rounding).iter().map(|(at, _)| *at).collect();
+    let others = train.baseline.iter().enumerate().filter(|(at, _)| !dry.contains(at));
+    let others = whitener.fit(&others.map(|(_, column)| column.clone()).collect::<Vec<_>>(), &train.torque);
+    let gains = |rounding: Vec<Rounding>| -> Tried {
+        let dry = arm.dry_columns(model, &train.rows, &rounding).into_iter().map(|(_, column)| column);
+        let with = left(&others.with(&whitener.apply_all(&dry.collect::<Vec<_>>())));
         let gains = plain_left.iter().zip(with).map(|(plain, with)| 0.5 * (plain - with));
-        Ok(rounding.into_iter().zip(gains).collect())
+        rounding.into_iter().zip(gains).collect()
     };
-    let tried = |all: Vec<Vec<Rounding>>| all.into_par_iter().map(gains).collect::<Result<Vec<Tried>>>();
+    let tried = |all: Vec<Vec<Rounding>>| all.into_par_iter().map(gains).collect::<Vec<Tried>>();
     let shares = shares(&session.logs.train.rows.logs, model.dof());
     let of_all = |unit: Rounding, width: f64| shares.iter().map(|share| unit.scaled(share * width)).collect();
     let scaled = |best: &Tried, factor: f64| best.iter().map(|(own, _)| own.scaled(factor)).collect();
     // Forms are compared at the best width of each.
-    let of_form = |unit: Rounding, widths: &[f64]| -> Result<Tried> {
+    let of_form = |unit: Rounding, widths: &[f64]| -> Tried {
         let mut best: Tried = vec![(Rounding::Sharp, 0.0); model.dof()];
-        better(&mut best, tried(widths.iter().map(|&width| of_all(unit, width)).collect())?, 0.0);
-        let finer = tried(FINER.iter().map(|&factor| scaled(&best, factor)).collect())?;
+        better(&mut best, tried(widths.iter().map(|&width| of_all(unit, width)).collect()), 0.0);
+        let finer = tried(FINER.iter().map(|&factor| scaled(&best, factor)).collect());
         better(&mut best, finer, 0.0);
-        Ok(best)
+        best
     };
-    // Another form, and a rounding in the place of a law of the library, must be likelier: though a rounding has fewer parameters than any law.
+    // Another form, and a rounding in the place of a law of the library, must be likelier: though a rounding has fewer parameters than any
+    // law.
     let Levels { log_odds: odds, misfit, .. } = session.criteria.levels;
     let clearly = session.criteria.criterion_gap();
-    let mut best = of_form(Rounding::Tanh(1.0), &WIDTHS)?;
+    let mut best = of_form(Rounding::Tanh(1.0), &WIDTHS);
     for (unit, widths) in [(Rounding::Ramp(1.0), RAMPS), (Rounding::Root(1.0), ROOTS)] {
-        better(&mut best, vec![of_form(unit, &widths)?], odds);
+        better(&mut best, vec![of_form(unit, &widths)], odds);
     }
-    let finest = tried(FINEST.iter().map(|&factor| scaled(&best, factor)).collect())?;
+    let finest = tried(FINEST.iter().map(|&factor| scaled(&best, factor)).collect());
     better(&mut best, finest, 0.0);
     let by_laws = session.best_gains(Nature::OfSpeed, &whitener, &plain)?;
     tracing::debug!(?best, ?by_laws, "rounding of the sign of friction");
@@ -111,7 +117,7 @@ pub(super) fn likeliest(session: &Session) -> Result<Likeliest> {
     // The others have the form of most and its median width, if their torque does not contradict it.
     let of_fast = best.iter().zip(&shares).zip(&surely).filter(|(_, surely)| **surely);
     let of_fast: Vec<Rounding> = of_fast.map(|(((own, _), share), _)| own.scaled(1.0 / share)).collect();
-    let as_most = gains(shares.iter().map(|share| of_most_joints(&of_fast).scaled(*share)).collect())?;
+    let as_most = gains(shares.iter().map(|share| of_most_joints(&of_fast).scaled(*share)).collect());
     let as_most = as_most.into_iter().map(|(own, gain)| if gain > 0.0 { own } else { Rounding::Sharp });
     let all = best.iter().zip(surely).zip(as_most);
     let taken =

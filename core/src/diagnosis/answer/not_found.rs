@@ -1,0 +1,81 @@
+//! What was looked for and not found, with the size that would have been.
+
+use crate::diagnosis::Options;
+use crate::diagnosis::evidence::Multiplicity;
+use crate::diagnosis::model::{Family, Session, is_candidate, is_wanted, places};
+use crate::diagnosis::search::{Alternative, Found};
+use crate::effects::{LIBRARY, Parameter, Placed};
+use crate::robot::Unit;
+use statrs::distribution::{ContinuousCDF, Normal};
+use std::collections::BTreeMap;
+
+/// Probability with which an effect of the minimum detectable size is found.
+const POWER: f64 = 0.8;
+
+/// An effect that was looked for and not found.
+#[derive(Debug, Clone)]
+pub struct NotFound {
+    /// What and where.
+    pub family: Family,
+    /// The smallest value of its first parameter that would have been found with a probability of 80 %; None where the
+    /// logs do not separate it from the baseline.
+    pub minimum_detectable: Option<f64>,
+    /// Unit of that.
+    pub unit: &'static str,
+}
+
+/// Everything that was looked for and is not among `found`, with the size it would have needed. `multiplicity` holds the
+/// number of independent tests, `sensitivity` the standard deviation of every family's first parameter.
+pub(super) fn not_found(
+    session: &Session,
+    found: &[Found],
+    multiplicity: &Multiplicity,
+    sensitivity: &BTreeMap<Family, (usize, f64)>,
+    options: &Options,
+) -> Vec<NotFound> {
+    let normal = Normal::standard();
+    let factor = |kind: &str| {
+        normal.inverse_cdf(1.0 - options.alpha / (2.0 * multiplicity.tests(kind))) + normal.inverse_cdf(POWER)
+    };
+    let taken: Vec<Family> = found
+        .iter()
+        .flat_map(|found| {
+            let others = found.alternatives.iter().map(|Alternative { family, .. }| *family);
+            [found.member.candidate.family()].into_iter().chain(others)
+        })
+        .collect();
+    let change = session.logs.train.rows.of_change();
+    // No position below the noise of the encoders is known, whatever its torque would be.
+    let least = |unit: Unit, joint: usize| match unit {
+        Unit::Position => {
+            let logs = session.logs.train.rows.logs.iter();
+            logs.map(|log| log.position_noise[joint]).fold(f64::INFINITY, f64::min)
+        }
+        _ => 0.0,
+    };
+    LIBRARY
+        .iter()
+        .filter(|effect| {
+            is_candidate(**effect, options.trust, &options.candidates)
+                || (change && is_wanted(**effect, &options.candidates))
+        })
+        .flat_map(|effect| {
+            places(*effect, session.model.base.robot())
+                .into_iter()
+                .map(move |joint| (effect, Family { effect: effect.about().name, joint }))
+        })
+        .filter(|(_, family)| !taken.contains(family))
+        .map(|(effect, family)| {
+            let seen = sensitivity.get(&family);
+            let index = seen.map_or(0, |(index, _)| *index);
+            let Parameter { lower, upper, .. } = effect.parameters()[index];
+            let unit = Placed::typical(*effect, family.joint).unit(index, session.model.base.robot());
+            // What no arm can have, no log can show.
+            let sizes = 0.0..=upper.max(-lower);
+            let minimum_detectable = seen
+                .map(|(_, std)| (factor(family.effect) * std).max(least(effect.parameters()[index].unit, family.joint)))
+                .filter(|size| *size > 0.0 && size.is_finite() && sizes.contains(size));
+            NotFound { family, minimum_detectable, unit }
+        })
+        .collect()
+}

@@ -7,6 +7,7 @@ mod acceptance;
 mod all_logs;
 mod comparison;
 mod eligible;
+mod events;
 mod found;
 mod parsimony;
 mod play;

@@ -5,6 +5,7 @@ use super::acceptance::{Outcome, Refusal, Trial, is_confirmable, strictness};
 use super::all_logs;
 use super::comparison::{Chosen, InOwnNoise, compare};
 use super::eligible::{Contenders, Refused, Standing};
+use super::events::held_by_noise;
 use super::found::{Found, Rejected, explained_by_play, in_the_end, members};
 use super::parsimony::chosen;
 use super::play::rattling_gears;
@@ -71,6 +72,16 @@ pub(crate) fn select(session: &mut Session, options: &Options, watch: &mut Watch
     let ranking = ranking(&round.scan);
     while found.len() < options.max_findings && in_a_row < session.criteria.search.refusals[0] && !watch.is_over() {
         watch.tell(Progress::Found(found.len()));
+        let present = members(&found);
+        if in_a_row == 0
+            && let Some(accepted) =
+                held_by_noise(session, &present, (&round.all, &round.whitener), (&multiplicity, options.alpha))?
+        {
+            in_own_noise.clear();
+            found.push(Found::new(accepted, Vec::new()));
+            round = round.next(session, &mut found, options)?;
+            continue;
+        }
         // Nothing confirms those that only the training logs can show.
         let standing = |candidate: &Candidate, level: f64| match strictness(candidate, &session.criteria.search) {
             share if is_confirmable(candidate) || level <= options.alpha * share => Standing::MayWin,

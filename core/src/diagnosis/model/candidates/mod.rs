@@ -160,8 +160,8 @@ fn size(placed: &Placed, index: usize) -> f64 {
 pub(crate) fn all_candidates(arm: &Arm, rows: &Rows, trust: Trust, only: &[String]) -> Result<Vec<Candidate>> {
     let mut all = lasting(arm, rows, trust, only)?;
     let events = throughout(arm, rows, wanted(rows, trust, only).filter(|effect| is_event(*effect)))?;
-    // What happens to the arm from outside happens in one log.
-    if rows.logs.len() > 1 {
+    // What happens to the arm from outside happens in one log, or at the same time in all, held-out ones included.
+    if !events.is_empty() {
         for (log, ends) in rows.starts.windows(2).enumerate() {
             let time = &rows.logs[log].time;
             let meets = |event: &&Candidate| {

@@ -1,0 +1,111 @@
+//! Events that the noise model holds. Whoever pushes the arm for some seconds makes a torque that is slow noise to a noise model that does
+//! not know it, and whitened rows show little of it. Plain least squares shows it; whether it is significant is asked in the noise that is
+//! estimated with it in the model, at the strict level of what held-out logs cannot confirm.
+
+use super::acceptance::{Accepted, Outcome, Trial};
+use crate::diagnosis::evidence::{Judged, Multiplicity};
+use crate::diagnosis::model::{Candidate, Fit, Member, Session, Slot, is_event};
+use crate::diagnosis::noise::Whitener;
+use crate::diagnosis::regression::rms;
+use crate::error::Result;
+use crate::identification::noise::AutoregressiveNoise;
+use rayon::prelude::*;
+use std::collections::BTreeMap;
+
+/// Length of a row, s.
+const ROW_S: f64 = 0.02;
+
+/// Events that are tried, the clearest first.
+const TRIED: usize = 3;
+
+/// An event of `all` candidates that the noise under the model with `members`, that of `whitener`, holds; None where no joint's noise is far
+/// above that of its sensor, or no event is significant. `alpha` is the family-wise level.
+///
+/// # Errors
+/// If a log is too short to differentiate.
+pub(super) fn held_by_noise(
+    session: &Session,
+    members: &[Member],
+    (all, whitener): (&[Candidate], &Whitener),
+    (multiplicity, alpha): (&Multiplicity, f64),
+) -> Result<Option<Accepted>> {
+    let criteria = &session.criteria;
+    let rows = &session.logs.train.rows;
+    let residual = rms(&rows.valid, &session.residual_on(&session.logs.train, members, whitener)?);
+    let is_far = |joint: usize| residual[joint] > criteria.levels.far * rows.sensor_noise(joint, ROW_S);
+    if !(0..rows.dof()).any(is_far) {
+        return Ok(None);
+    }
+    let present = session.model.columns(&session.logs.train, members)?;
+    let white =
+        |std: &f64| AutoregressiveNoise { coefficients: Vec::new(), innovation_std: std.max(f64::MIN_POSITIVE) };
+    let plain = Whitener::of_known(rows, residual.iter().map(white).collect());
+    let fit = plain.fit(&present, &session.logs.train.torque);
+    let events: Vec<&Candidate> = all.iter().filter(|candidate| is_event(candidate.placed.effect)).collect();
+    let judged: Vec<Judged> = events.into_par_iter().filter_map(|event| session.judge(event, &plain, &fit)).collect();
+    for seen in clearest(judged).into_iter().take(TRIED) {
+        let seen = session.refined(seen, &plain, &fit)?;
+        let with: Vec<_> = present.iter().chain(seen.candidate.columns.iter()).cloned().collect();
+        let Fit { whitener: own, .. } = session.fit_under(&with);
+        let fit = own.fit(&present, &session.logs.train.torque);
+        let Some(winner) = session.judge(&seen.candidate, &own, &fit) else { continue };
+        let level = multiplicity.level(winner.candidate.family().effect, winner.test.log_p());
+        tracing::debug!(slot = ?winner.candidate.slot(), at = ?winner.candidate.placed.parameters, level, "event held by the noise");
+        if level > alpha * criteria.search.unconfirmable {
+            continue;
+        }
+        let trial = Trial { session, members, whitener: &own, fit: &fit, multiplicity, alpha, tries: None };
+        if let Outcome::Accepted(accepted) = trial.of(&winner, level, Some(own.clone()))? {
+            return Ok(Some(*accepted));
+        }
+    }
+    Ok(None)
+}
+
+/// The best of each slot, the largest statistic first; of equal ones that in all logs first, which held-out logs can confirm.
+fn clearest(judged: Vec<Judged>) -> Vec<Judged> {
+    let mut best: BTreeMap<Slot, Judged> = BTreeMap::new();
+    for one in judged {
+        let slot = one.candidate.slot();
+        if best.get(&slot).is_none_or(|best| best.test.statistic < one.test.statistic) {
+            best.insert(slot, one);
+        }
+    }
+    // The map has those in all logs first, and the order of equals stays.
+    let mut best: Vec<Judged> = best.into_values().collect();
+    best.sort_by(|a, b| b.test.statistic.total_cmp(&a.test.statistic));
+    best
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnosis::regression::Test;
+    use crate::effects::{Placed, find};
+    use nalgebra::DMatrix;
+
+    #[test]
+    fn the_clearest_event_of_every_log_comes_first() {
+        let judged = |log: Option<usize>, statistic: f64| Judged {
+            candidate: Candidate {
+                placed: Placed::typical(find("external_contact").unwrap(), 0),
+                log,
+                columns: Default::default(),
+            },
+            whitened: Vec::new(),
+            test: Test {
+                statistic,
+                freedom: 3,
+                values: vec![1.0; 3],
+                std: vec![1.0; 3],
+                along: DMatrix::zeros(0, 3),
+                directions: DMatrix::zeros(3, 3),
+                norms: vec![1.0; 3],
+            },
+        };
+        let all = vec![judged(Some(0), 9.0), judged(Some(1), 5.0), judged(Some(0), 4.0), judged(None, 9.0)];
+        let found: Vec<(Option<usize>, f64)> =
+            clearest(all).iter().map(|one| (one.candidate.log, one.test.statistic)).collect();
+        assert_eq!(found, [(None, 9.0), (Some(0), 9.0), (Some(1), 5.0)]);
+    }
+}

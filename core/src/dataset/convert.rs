@@ -9,6 +9,10 @@ use crate::recording::Recording;
 use crate::recording::lenient::Sieved;
 use crate::robot::LinearMap;
 use nalgebra::DMatrix;
+use std::f64::consts::TAU;
+
+/// Fewest joints that move whose angles may be in rad where the dataset has them in degrees.
+const FEWEST_DEGREES: usize = 2;
 
 impl Dataset {
     /// Converts a log, whose joints are in the order of the file's columns.
@@ -53,6 +57,7 @@ impl Dataset {
         let position = self.units("units.position", &units.position, dof)?;
         let velocity = self.units("units.velocity", &units.velocity, dof)?;
         let acceleration = self.units("units.acceleration", &units.acceleration, dof)?;
+        self.are_no_radians(&log.q, &position, &motion_gear)?;
         apply(&mut log.q, &moved(position));
         for (joint, offset) in
             self.offsets("motors.position_offset", &motors.position_offset, dof)?.into_iter().enumerate()
@@ -97,6 +102,23 @@ impl Dataset {
             Some(motors) => Ok(Some((joints, motors))),
             None => Err(self.error(key, "is singular: some motion of the motors would not move the joints")),
         }
+    }
+
+    /// Refuses degrees in which no joint goes as far as a turn has radians: no arm is identified from such a motion.
+    fn are_no_radians(&self, q: &Channels, unit: &[f64], gear: &[f64]) -> Result<()> {
+        let largest =
+            |joint: usize| q.channel(joint).iter().filter(|q| q.is_finite()).fold(0.0f64, |m, q| m.max(q.abs()));
+        let in_degrees = (0..unit.len()).filter(|&joint| unit[joint] == 1f64.to_radians() && gear[joint] == 1.0);
+        let sizes: Vec<f64> = in_degrees.map(largest).filter(|size| *size > 0.0).collect();
+        let most = sizes.iter().copied().fold(0.0, f64::max);
+        if sizes.len() < FEWEST_DEGREES || most > TAU {
+            return Ok(());
+        }
+        let problem = format!(
+            "is deg, and no position exceeds {most:.3} in number, as in rad: the arm would turn by {most:.1} degrees at most; remove the key \
+             if the positions are in rad"
+        );
+        Err(self.error("units.position", problem))
     }
 
     /// The factor of the unit of each joint.

@@ -14,6 +14,9 @@ use toml::{Table, Value};
 /// Factors to N m that mean mN m, between bodies that are described twice too light and too heavy.
 const MILLINEWTON: [f64; 2] = [5e-4, 2e-3];
 
+/// Factors to N m of a unit that was given and is none, likewise.
+const UNDONE: [f64; 2] = [0.5, 2.0];
+
 impl Dataset {
     /// Whether the motors are coupled: a change of one joint is then none of one motor, and [`corrected`] refuses it.
     pub fn is_coupled(&self) -> bool {
@@ -97,11 +100,17 @@ pub fn corrected(
     exchanges(motors, "torques_exchanged", joints, &description.torque_of);
     exchanges(motors, "positions_exchanged", joints, &description.position_of);
     let scale = |name: &String| sign(&description.torque_scale, &description.torque_of, name);
-    let scales: Vec<f64> = order.iter().map(scale).collect();
-    let shared = scales.first().copied().filter(|first| scales.iter().all(|scale| scale == first));
-    if scales.iter().any(|scale| *scale != 1.0) {
-        let currents = dataset.is_some_and(|dataset| dataset.spec.units.torque.is_some_and(UnitOf::is_current));
-        if !currents && shared.is_some_and(|scale| (MILLINEWTON[0]..MILLINEWTON[1]).contains(&scale)) {
+    let found: Vec<f64> = order.iter().map(scale).collect();
+    if found.iter().any(|scale| *scale != 1.0) {
+        let given = dataset.and_then(|dataset| dataset.spec.units.torque);
+        let currents = given.is_some_and(UnitOf::is_current);
+        // The factors are those of torques in the unit that was given.
+        let unit = given.filter(|_| !currents).map_or(1.0, UnitOf::factor);
+        let scales: Vec<f64> = found.iter().map(|scale| scale * unit).collect();
+        let shared = scales.first().copied().filter(|first| scales.iter().all(|scale| scale == first));
+        if shared.is_some_and(|scale| unit != 1.0 && (UNDONE[0]..UNDONE[1]).contains(&scale)) {
+            section(&mut table, "units").remove("torque");
+        } else if !currents && shared.is_some_and(|scale| (MILLINEWTON[0]..MILLINEWTON[1]).contains(&scale)) {
             section(&mut table, "units").insert("torque".into(), Value::from("mNm"));
         } else {
             // A torque is a current under a constant in N m per ampere, whatever its unit is.

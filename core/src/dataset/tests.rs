@@ -294,3 +294,12 @@ fn a_torque_without_its_sign_is_left_out() {
     let refused = log([true, true]).unwrap_err().to_string();
     assert!(refused.contains("cannot be used") && refused.contains("sign"), "{refused}");
 }
+
+#[test]
+fn angles_that_are_in_rad_are_not_taken_for_degrees() {
+    let text = "[[train]]\nfile = \"log.csv\"\n[units]\nposition = \"deg\"\n";
+    let of = |last: f64| Case::new(text, &format!("t,q1,q2,tau1,tau2\n0,0.5,-1,1,2\n1,1.5,{last},1,2\n")).read();
+    let refused = of(-6.2).unwrap_err().to_string();
+    assert!(refused.contains("units.position") && refused.contains("remove the key"), "{refused}");
+    assert!((of(-6.3).unwrap().q.channel(1)[1] + 6.3f64.to_radians()).abs() < 1e-15);
+}

@@ -18,10 +18,15 @@ enum Other {
 }
 
 /// Known factors between velocities and the change of position per second, with what is in another unit and the advice.
-const FACTORS: [(f64, Other, &str); 9] = [
+const FACTORS: [(f64, Other, &str); 10] = [
     (180.0 / PI, Other::Velocity, "it is in deg/s where the position is in rad: convert one of them"),
     (PI / 180.0, Other::Position, "the position is in deg where the velocity is in rad/s: convert the position"),
     (30.0 / PI, Other::Velocity, "it is in rpm: convert it to rad/s"),
+    (
+        PI / 30.0,
+        Other::Velocity,
+        "it was taken for rpm, and is in rad/s: undo the conversion, or take the velocity from the position",
+    ),
     (1e3, Other::Velocity, "it is in mrad/s or mm/s: convert it to rad/s or m/s"),
     (
         1e-3,
@@ -308,6 +313,8 @@ mod tests {
         // Ten times too slow or too fast, at 250 Hz; rpm are 9.55 times as many.
         assert!(of(0.1, 250.0, 6) && of(10.0, 250.0, 6) && !of(1.0 / 9.55, 250.0, 6) && !of(1.0 / 9.8, 250.0, 6));
         assert!(!is_of_clock(0.1, 250.0, 6, || false));
+        // Velocities that were taken for rpm, and are in rad/s.
+        assert!(!of(9.549, 250.0, 6) && !of(9.549, 1e3, 6));
         // True rates of 9.9, 10.1, 9900 and 10100 Hz.
         assert_eq!([99.0, 101.0].map(|rate| of(10.0, rate, 6)), [false, true]);
         assert_eq!([990.0, 1010.0].map(|rate| of(0.1, rate, 6)), [true, false]);

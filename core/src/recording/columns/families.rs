@@ -53,12 +53,37 @@ pub(super) fn best_family(candidates: Vec<Candidate>) -> Vec<Candidate> {
     for candidate in candidates {
         families.entry(&candidate.meaning.family).or_default().push(candidate);
     }
-    let order = |family: &Vec<Candidate>| {
+    let order = |family: &Vec<Candidate>| -> ((bool, bool), std::cmp::Reverse<usize>, u8) {
         let first = family.first().map(|candidate| candidate.meaning);
         let kind = (first.is_some_and(|m| m.of_controller), first.is_some_and(|m| m.current));
         (kind, std::cmp::Reverse(family.len()), first.map_or(0, |m| m.rank))
     };
-    families.into_values().min_by_key(order).unwrap_or_default()
+    let Some(best) = families.values().min_by_key(|family| order(family)).and_then(|family| family.first()) else {
+        return Vec::new();
+    };
+    let (name, kind) = (best.meaning.family.clone(), order(&families[best.meaning.family.as_str()]).0);
+    let mut taken = families.remove(name.as_str()).unwrap_or_default();
+    // A joint that turns has an angle and a torque where one that slides has a position and a force.
+    let mut others: Vec<Vec<Candidate>> = families.into_values().filter(|other| order(other).0 == kind).collect();
+    others.retain(|other| other.iter().all(|own| are_alike(&own.meaning.family, &name)));
+    others.sort_by_key(order);
+    for other in others {
+        if other.iter().all(|own| taken.iter().all(|before| before.joint != own.joint)) {
+            taken.extend(other);
+        }
+    }
+    taken
+}
+
+/// Whether names of two families have the joint on the same side of one word.
+fn are_alike(one: &str, other: &str) -> bool {
+    let is_word = |word: &str| !word.is_empty() && word.chars().all(char::is_alphanumeric);
+    let side = |family: &str| match (family.strip_prefix("#_"), family.strip_suffix("_#")) {
+        (Some(word), _) if is_word(word) => Some(true),
+        (_, Some(word)) if is_word(word) => Some(false),
+        _ => None,
+    };
+    side(one).is_some() && side(one) == side(other)
 }
 
 /// Whether the joints of a quantity are counted from 0 or from 1; None where none is numbered. A quantity without number

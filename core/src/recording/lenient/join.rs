@@ -4,14 +4,24 @@ use super::source::{Content, Source};
 use crate::error::{Error, Result};
 use crate::recording::cleaning::Rejected;
 use crate::recording::columns::names;
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 /// Rows of all files together: columns indexed as the header, lines of the first file, rows that cannot be read.
 pub(super) type Joined = (Vec<Vec<f64>>, Vec<usize>, Vec<Rejected>);
 
+/// The column of time of a file.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct OwnTime {
+    /// Its place in the header of all files.
+    column: usize,
+    /// Seconds per unit, where its name gives it.
+    factor: Option<f64>,
+}
+
 /// Hides the times of all files but the first that has one, and returns for every file its column of time.
-pub(super) fn hide_times(sources: &[Source], header: &mut [String]) -> Vec<Option<usize>> {
+pub(super) fn hide_times(sources: &[Source], header: &mut [String]) -> Vec<Option<OwnTime>> {
     let mut start = 0;
     let mut known = false;
     let mut out = Vec::new();
@@ -19,9 +29,9 @@ pub(super) fn hide_times(sources: &[Source], header: &mut [String]) -> Vec<Optio
         let own = start..start + source.header().len();
         let ranked = own.clone().filter_map(|column| {
             let time = names::time(&header[column], column - own.start)?;
-            (time.rank < names::INDEX).then_some((time.rank, column))
+            (time.rank < names::INDEX).then_some((time.rank, OwnTime { column, factor: time.factor }))
         });
-        let time = ranked.min().map(|(_, column)| column);
+        let time = ranked.min_by_key(|(rank, time)| (*rank, time.column)).map(|(_, time)| time);
         if known && sources.len() > 1 {
             for column in own.clone() {
                 if names::time(&header[column], column - own.start).is_some() {
@@ -45,7 +55,7 @@ pub(super) fn rows(
     sources: &mut [Source],
     header: &[String],
     used: &[usize],
-    times: &[Option<usize>],
+    times: &[Option<OwnTime>],
 ) -> Result<Joined> {
     let mut contents = Vec::new();
     let mut start = 0;
@@ -54,7 +64,7 @@ pub(super) fn rows(
         let mut wanted: Vec<usize> =
             used.iter().filter(|column| own.contains(*column)).map(|column| column - own.start).collect();
         if paths.len() > 1 {
-            wanted.extend(time.map(|time| time - own.start).filter(|time| !wanted.contains(time)));
+            wanted.extend(time.map(|time| time.column - own.start).filter(|time| !wanted.contains(time)));
             wanted.sort_unstable();
         }
         contents.push(source.content(path, &header[own.clone()], &wanted)?);
@@ -90,9 +100,10 @@ fn matched(contents: Vec<Content>) -> Result<Joined> {
 }
 
 /// The rows of the first file with time, and the values of the others at its times.
-fn by_time(paths: &[PathBuf], contents: Vec<Content>, times: &[Option<usize>]) -> Result<Joined> {
+fn by_time(paths: &[PathBuf], contents: Vec<Content>, times: &[Option<OwnTime>]) -> Result<Joined> {
     let mut start = 0;
-    let mut clocks: Vec<&[f64]> = Vec::new();
+    let mut clocks: Vec<Cow<[f64]>> = Vec::new();
+    let of_first = times.first().copied().flatten().and_then(|time| time.factor);
     for ((content, time), path) in contents.iter().zip(times).zip(paths) {
         let Some(time) = time else {
             let counts: Vec<String> = contents.iter().map(|content| content.all.to_string()).collect();
@@ -103,14 +114,38 @@ fn by_time(paths: &[PathBuf], contents: Vec<Content>, times: &[Option<usize>]) -
             );
             return Err(Error::input(path, None, "t", problem));
         };
-        clocks.push(&content.columns[time - start]);
+        let own = &content.columns[time.column - start];
+        // In the unit of the first file, where the names give both.
+        clocks.push(match (time.factor, of_first) {
+            (Some(own_s), Some(first_s)) if own_s != first_s => own.iter().map(|t| t * (own_s / first_s)).collect(),
+            _ => Cow::Borrowed(own.as_slice()),
+        });
         start += content.columns.len();
+    }
+    let span = |clock: &[f64]| {
+        let finite = clock.iter().copied().filter(|t| t.is_finite());
+        finite.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], t| [low.min(t), high.max(t)])
+    };
+    let first = span(&clocks[0]);
+    for (path, clock) in paths.iter().zip(&clocks).skip(1) {
+        let own = span(clock);
+        if own[1] < first[0] || own[0] > first[1] {
+            let problem = format!(
+                "its times, {} to {}, do not overlap those of {}, {} to {}; stamp both by one clock and in one unit",
+                own[0],
+                own[1],
+                paths[0].display(),
+                first[0],
+                first[1]
+            );
+            return Err(Error::input(path, None, "t", problem));
+        }
     }
     let mut out = (Vec::new(), Vec::new(), Vec::new());
     for (file, content) in contents.iter().enumerate() {
         out.0.extend(content.columns.iter().map(|column| match (file, column.is_empty()) {
             (0, _) | (_, true) => column.clone(),
-            _ => at_times(clocks[file], column, clocks[0]),
+            _ => at_times(&clocks[file], column, &clocks[0]),
         }));
         if file == 0 {
             out.1 = content.lines.clone();
@@ -135,4 +170,29 @@ fn at_times(time: &[f64], values: &[f64], wanted: &[f64]) -> Vec<f64> {
         }
     };
     wanted.iter().map(at).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::recording::columns::ColumnMap;
+    use crate::recording::lenient::load_together;
+
+    #[test]
+    fn clocks_of_several_files() {
+        let folder = tempfile::tempdir().unwrap();
+        let [q, tau] = ["q.csv", "tau.csv"].map(|name| folder.path().join(name));
+        let rows = |header: &str, start: f64, step: f64| {
+            (0..50).fold(format!("{header}\n"), |all, k| all + &format!("{},{k}\n", start + step * f64::from(k)))
+        };
+        let read = |of_tau: String| {
+            std::fs::write(&q, rows("time_ms,q1", 5000.0, 10.0)).unwrap();
+            std::fs::write(&tau, of_tau).unwrap();
+            load_together(&[q.clone(), tau.clone()], None, &ColumnMap::default())
+        };
+        // Seconds and milliseconds of one clock, at other rates.
+        let log = read(rows("time_s,tau1", 5.0, 0.02)).unwrap().recording;
+        assert!((log.tau.channel(0)[10] - 5.0).abs() < 1e-9);
+        let refused = read(rows("t,tau1", 0.0, 0.02)).unwrap_err().to_string();
+        assert!(refused.contains("tau.csv: t: its times, 0 to 0.98, do not overlap"), "{refused}");
+    }
 }

@@ -204,7 +204,7 @@ fn readings(column: &str) -> Vec<Meaning> {
     }
     out.extend(
         plain(name)
-            .map(|(quantity, joint)| Meaning { exact_only: wanted, ..Meaning::new(quantity, joint, String::new()) }),
+            .map(|(quantity, joint, family)| Meaning { exact_only: wanted, ..Meaning::new(quantity, joint, family) }),
     );
     if wanted {
         out.extend(of_controller(name));
@@ -260,8 +260,8 @@ fn of_controller(name: &str) -> Vec<Meaning> {
     readings
 }
 
-/// The names that this program writes and documents.
-fn plain(name: &str) -> Option<(usize, Joint)> {
+/// The names that this program writes and documents, each with its family.
+fn plain(name: &str) -> Option<(usize, Joint, String)> {
     (0..QUANTITIES.len()).find_map(|quantity| {
         let Quantity { prefixes, suffixes, .. } = QUANTITIES[quantity];
         let behind = prefixes.iter().find_map(|prefix| {
@@ -276,8 +276,10 @@ fn plain(name: &str) -> Option<(usize, Joint)> {
             }
             (bare.len() < rest.len() && !bare.is_empty()).then(|| Joint::Name(bare.to_owned()))
         });
-        let before = suffixes.iter().find_map(|suffix| name.strip_suffix(suffix)).filter(|joint| !joint.is_empty());
-        behind.or(before.map(|joint| Joint::Name(joint.to_owned()))).map(|joint| (quantity, joint))
+        let before = suffixes.iter().find_map(|suffix| Some((name.strip_suffix(suffix)?, suffix)));
+        let before = before.filter(|(joint, _)| !joint.is_empty());
+        let before = before.map(|(joint, suffix)| (quantity, Joint::Name(joint.to_owned()), format!("#{suffix}")));
+        behind.map(|joint| (quantity, joint, String::new())).or(before)
     })
 }
 

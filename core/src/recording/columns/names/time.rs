@@ -70,7 +70,8 @@ pub(crate) fn time(column: &str, place: usize) -> Option<Time> {
         }
     }
     let rank = match &*words.join("_") {
-        "millis" | "milliseconds" | "micros" | "microseconds" | "nanos" | "nanoseconds" | "seconds" => {
+        "millis" | "milliseconds" | "micros" | "microseconds" | "nanos" | "nanoseconds" | "seconds" | "ms" | "us"
+        | "ns" => {
             factor = factor_of(&whole);
             STAMP
         }
@@ -93,7 +94,9 @@ pub(crate) fn time(column: &str, place: usize) -> Option<Time> {
         | "controller_time" | "robot_time" | "sim_time" | "state_time" | "time_from_start" | "ts" | "tick"
         | "ticks" | "epoch" | "epoch_time" | "unix_time" | "timestamp_utc" | "time_utc" => STAMP,
         "ros_time" | "rosbag_timestamp" | "log_time" | "recv_time" | "receive_time" | "publish_time" | "wall_time"
-        | "datetime" | "date_time" | "date" | "duration" => OF_LOGGER,
+        | "datetime" | "date_time" | "date" | "duration" | "clock" | "systime" | "system_time" | "local_time" => {
+            OF_LOGGER
+        }
         _ => return None,
     };
     time(rank, factor, Part::Whole)

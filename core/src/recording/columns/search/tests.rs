@@ -106,3 +106,18 @@ fn wrong_headers_are_named() {
         assert!(expected.iter().all(|part| problem.contains(part)), "{header}: {problem}");
     }
 }
+
+#[test]
+fn joints_that_turn_and_joints_that_slide_have_words_of_their_own() {
+    let header = "time,S1_angle,S2_angle,S3_position,S1_torque,S2_torque,S3_force";
+    let layout = find(header, Some(&["S1", "S2", "S3"])).unwrap();
+    assert_eq!((layout.q, layout.tau), (vec![1, 2, 3], vec![4, 5, 6]));
+    let header = "t,X pos,C angle,X vel,C vel,X force,C torque";
+    let layout = find(header, Some(&["X", "C"])).unwrap();
+    assert_eq!((layout.q, layout.qd, layout.tau), (vec![1, 2], Some(vec![3, 4]), vec![5, 6]));
+    assert!(layout.notes.is_empty(), "{:?}", layout.notes);
+    // A second position of the same joint is another quantity, and a name on the other side another kind of name.
+    let layout = find("t,a_pos,b_pos,a_angle,b_angle,a_torque,b_torque", Some(&["a", "b"])).unwrap();
+    assert_eq!(layout.q, [1, 2]);
+    assert!(find("t,a_pos,b_pos,angle_c,a_torque,b_torque,c_torque", Some(&["a", "b", "c"])).is_err());
+}

@@ -338,8 +338,8 @@ pub(super) fn next_experiment(
             robot.joints[joint].name
         ),
         (true, Some(joint)) if robot.joints[joint].drive.is_frictionless() => format!(
-            "the description of {} has no friction, which leaves {:.1} times as much as re-identified inertias and friction do: \
-             extended.urdf holds these; --trust nominal shows whether its inertias are right",
+            "the description, which has no friction on {0}, leaves {1:.1} times as much there as re-identified inertias and friction do: \
+             extended.urdf holds these; --trust nominal shows whether its inertias are right or a load is missing",
             robot.joints[joint].name,
             off(joint)
         ),

@@ -84,8 +84,9 @@ mod tests {
         };
         assert_eq!(first(["elbow", "wrist 1"]).as_deref(), Some("elbow_position"));
         assert_eq!(first(["target", "1"]).as_deref(), Some("target_position"));
-        // The position of a joint q reads as that of a joint called position.
-        assert_eq!(first(["q", "tau"]), None);
+        // The position of a joint q reads as that of a joint called position too, and there is none.
+        assert_eq!(first(["q", "tau"]).as_deref(), Some("q_position"));
+        assert_eq!(first(["q", "position"]), None);
         assert_eq!(first(["a", "a"]), None);
     }
 }

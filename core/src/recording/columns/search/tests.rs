@@ -118,6 +118,6 @@ fn joints_that_turn_and_joints_that_slide_have_words_of_their_own() {
     assert!(layout.notes.is_empty(), "{:?}", layout.notes);
     // A second position of the same joint is another quantity, and a name on the other side another kind of name.
     let layout = find("t,a_pos,b_pos,a_angle,b_angle,a_torque,b_torque", Some(&["a", "b"])).unwrap();
-    assert_eq!(layout.q, [1, 2]);
+    assert_eq!(layout.q, [3, 4]);
     assert!(find("t,a_pos,b_pos,angle_c,a_torque,b_torque,c_torque", Some(&["a", "b", "c"])).is_err());
 }

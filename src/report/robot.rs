@@ -2,7 +2,7 @@
 
 use super::console::{significant, table};
 use crate::robot::description::{Description, JointDescription};
-use crate::robot::{JointKind, Robot};
+use crate::robot::{JointKind, Robot, Unit};
 use serde::Serialize;
 
 /// Schema of what `tauscope robot --json` prints.
@@ -89,7 +89,7 @@ pub(crate) fn result(file: &Description, robot: &Robot) -> RobotResult {
 /// The robot as a table.
 pub(crate) fn text(file: &Description, robot: &Robot) -> String {
     let rows = result(file, robot).joints.into_iter().map(|joint| {
-        let unit = if joint.kind == JointKind::Prismatic { "m" } else { "rad" };
+        let unit = joint.kind.unit(Unit::Position);
         let motion = match (&joint.follows, joint.position) {
             (Some(master), _) => {
                 let (multiplier, offset) = (joint.multiplier.unwrap_or(1.0), joint.offset.unwrap_or(0.0));

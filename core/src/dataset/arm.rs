@@ -13,7 +13,7 @@ use crate::identification::effect_model::Trust;
 use crate::recording::Recording;
 use crate::recording::lenient::{self, JointNames, Sieved};
 use crate::robot::description::{self, Description};
-use crate::robot::{Choice, InertiaCheck, JointKind, Robot, shortened};
+use crate::robot::{Choice, InertiaCheck, JointKind, Robot, Unit, shortened};
 use nalgebra::Vector3;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -363,7 +363,7 @@ fn stand(recording: &mut Recording, joint: usize, place: f64) {
 
 /// Where a joint stands in the logs at either end, in words.
 fn apart(paths: &[&Path], ends: [(usize, f64); 2], kind: JointKind) -> String {
-    let unit = if kind == JointKind::Prismatic { "m" } else { "rad" };
+    let unit = kind.unit(Unit::Position);
     let [low, high] = ends.map(|(log, place)| format!("at {place:.4} {unit} in {}", paths[log].display()));
     format!("{low} and {high}")
 }

@@ -15,7 +15,7 @@ use crate::identification::equations::{no_torque, with_torque};
 use crate::identification::model::Model;
 use crate::linear::root_mean_square;
 use crate::recording::Recording;
-use crate::robot::{JointKind, PARAMETERS, Robot};
+use crate::robot::{PARAMETERS, Robot, Unit};
 use nalgebra::DMatrix;
 
 /// Length of a block, s: longer than filters and most of what a model lacks stay alike.
@@ -286,12 +286,7 @@ impl<'a> PayloadBuilder<'a> {
     fn changed(&self, estimate: &Estimate) -> Vec<Changed> {
         let change = |&(joint, kind, value, standard_error): &(usize, usize, f64, f64)| {
             let (spec, what) = (&self.robot.joints[joint], CHANGES[kind]);
-            let unit = match (spec.kind, what) {
-                (JointKind::Revolute, Change::Viscous) => "N m s/rad",
-                (JointKind::Prismatic, Change::Viscous) => "N s/m",
-                (JointKind::Revolute, _) => "N m",
-                (JointKind::Prismatic, _) => "N",
-            };
+            let unit = spec.kind.unit(if what == Change::Viscous { Unit::Damping } else { Unit::Effort });
             Changed { joint: spec.name.clone(), what, change: Quantity { value, standard_error }, unit }
         };
         estimate.changes.iter().map(change).collect()

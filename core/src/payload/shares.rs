@@ -5,7 +5,7 @@ use super::equations::Equations;
 use super::estimate::Estimate;
 use super::sums::JointRows;
 use crate::linear::root_mean_square;
-use crate::robot::{JointKind, PARAMETERS, Robot};
+use crate::robot::{PARAMETERS, Robot};
 use std::collections::BTreeMap;
 
 /// Largest standard error of a share that says anything of a torque constant.
@@ -61,7 +61,7 @@ pub(super) fn shares(robot: &Robot, equations: &Equations, estimate: &Estimate) 
         let spec = &robot.joints[joint];
         JointShare {
             joint: spec.name.clone(),
-            unit: if spec.kind == JointKind::Prismatic { "N" } else { "N m" },
+            unit: spec.effort_unit(),
             load: root_mean_square(&rows_after(rows, &load).collect::<Vec<_>>()),
             residual: root_mean_square(&rows_after(rows, &residual).collect::<Vec<_>>()),
             share: (square > 0.0 && share.standard_error <= LARGEST_ERROR).then_some(share),

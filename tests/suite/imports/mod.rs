@@ -107,6 +107,25 @@ fn inside_rooms(krate: &Crate) -> BTreeMap<ModulePath, BTreeMap<String, BTreeSet
     found
 }
 
+/// The table of the diagnosis lists its rooms from the last to the first.
+#[test]
+fn rooms_of_the_diagnosis_use_only_the_rooms_below_them() {
+    let root = &roots()[1];
+    let text = std::fs::read_to_string(root.join("diagnosis/mod.rs")).expect("the diagnosis has a room");
+    let order: Vec<&str> =
+        text.lines().filter_map(|line| line.strip_prefix("//! | `")?.split_once('`')).map(|(room, _)| room).collect();
+    assert!(order.len() >= 12, "{order:?}");
+    let level = |room: &String| order.iter().position(|other| other == room);
+    let found = inside_rooms(&Crate::read(root));
+    let wrong: Vec<String> = found[&vec!["diagnosis".to_owned()]]
+        .iter()
+        .flat_map(|(room, others)| others.iter().map(move |other| (room, other)))
+        .filter(|(room, other)| matches!((level(room), level(other)), (Some(own), Some(used)) if own > used))
+        .map(|(room, other)| format!("`{room}` is below `{other}`"))
+        .collect();
+    assert!(wrong.is_empty(), "imports against the order of the table: {wrong:?}");
+}
+
 #[test]
 fn rooms_inside_a_room_import_each_other_without_circles() {
     for root in roots() {

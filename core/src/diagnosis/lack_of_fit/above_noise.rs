@@ -49,9 +49,9 @@ const NOT_SEPARATED: &str = "is far above the noise, and not separated from nois
 const NOT_OF_SENSORS: &str = "is far above the noise of the sensor, and not separated from noise";
 
 /// The joints whose residual in all logs is far above the noise of the map, but those on which something is reported already: with few
-/// independent stretches of time no part of it is significant, and yet it is not nothing. Quiet logs with noise that is correlated over
-/// half a second have up to 2.1 times that noise. The noise of the map is estimated from the residual: what it takes for noise is none where
-/// it is a good part of the joint's torque and far above the noise of its sensor, as that of a gear that rattles.
+/// independent blocks no part of it is significant, and yet it is not nothing. Quiet logs with noise that is correlated over
+/// half a second have up to 2.1 times that noise. The noise of the map is estimated from the residual. A residual that it takes for noise is
+/// none where it is a good part of the joint's torque and far above the noise of its sensor, as that of a gear that rattles.
 pub(crate) fn not_separated(map: &ResidualMap, reported: &[Unexplained], criteria: &Criteria) -> Vec<Unexplained> {
     let far = criteria.levels.far;
     let unexplained = |own: &JointMap| {

@@ -9,10 +9,10 @@ use crate::diagnosis::noise::Whitener;
 use crate::diagnosis::regression::{Column, rms, solve};
 use crate::error::Result;
 
-/// What is said of such a joint.
+/// How such a joint is reported.
 pub const LOGS_DISAGREE: &str = "is in the held-out logs alone";
 
-/// Rows over which the residual is averaged: half a second. What smooth positions do to steps of the motion turns over within less, and
+/// Rows over which the residual is averaged: half a second. What smoothing of the positions does to steps of the motion averages out within less, and
 /// a load or another arm is there for longer.
 const AVERAGED: usize = 25;
 
@@ -50,16 +50,20 @@ pub(crate) fn disagreement(
         return Ok(Vec::new());
     }
     let left_out = parts_left_out(session, members, whitener)?;
-    let unexplained = apart.into_iter().filter(|&(joint, held_out, _)| held_out > left_out[joint]);
+    let unexplained = apart.into_iter().map(|(joint, held_out, clear)| {
+        let unlike_parts = Judgement::above(Gate::AboveExpected, held_out / left_out[joint], 1.0);
+        (joint, held_out, [clear, unlike_parts])
+    });
     Ok(unexplained
-        .map(|(joint, held_out, clear)| Unexplained {
+        .filter(|(_, _, judgements)| Judgement::first_failed(*judgements).is_none())
+        .map(|(joint, held_out, passed)| Unexplained {
             joint,
             share: (held_out / rms(&test.0.valid, test.1)[joint]).powi(2).min(1.0),
             structure: LOGS_DISAGREE,
             family_wise_p: None,
             certain: true,
             instead_of: Vec::new(),
-            passed: vec![clear],
+            passed: passed.to_vec(),
         })
         .collect())
 }

@@ -3,8 +3,8 @@
 use super::data_set::DataSet;
 use crate::diagnosis::logs::LowPass;
 
-/// Logs that every model is fitted to and judged by. Nothing changes them after their preparation: where impacts show play, the search goes
-/// on with a copy that has the torque of these gears in its baselines.
+/// Logs that every model is fitted to and judged by. Their rows do not change after their preparation. The search adds columns to the baselines: those
+/// of gears whose impacts show play, and those of moments of the first body that only a tilted base shows.
 #[derive(Debug, Clone)]
 pub struct PreparedLogs {
     /// Training logs.

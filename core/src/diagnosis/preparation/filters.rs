@@ -78,7 +78,7 @@ impl<'a> Preparation<'a> {
         (0..self.model.dof()).map(|joint| self.model.has_equation(joint).then_some(rows)).collect()
     }
 
-    /// The logs with the low-passes under which the torque has the least that is new in a row.
+    /// The logs with the low-passes under which the innovations of the torque are smallest.
     ///
     /// # Errors
     /// If a log is too short or a joint hardly moves.

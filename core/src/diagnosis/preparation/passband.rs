@@ -116,8 +116,8 @@ pub(super) fn left(rows: &Rows, torque: &Column, columns: &[Column]) -> f64 {
     scale.iter().map(|scale| scale.max(f64::MIN_POSITIVE).ln()).sum::<f64>() / scale.len() as f64
 }
 
-/// The filter with the smallest residual, if that is smaller by the share `clearly` than without any. `left` gives the mean over the joints of the
-/// logarithm of the residual; None where the filter cannot be.
+/// The filter with the smallest residual, if that is smaller by the share `clearly` than without any. `left` gives the mean over the joints
+/// of the logarithm of the residual; None where the filter cannot be.
 pub(super) fn best(
     edge_hz: f64,
     clearly: f64,

@@ -19,7 +19,8 @@ const APART: f64 = 2.2;
 const MOVED_S: f64 = 1e-3;
 
 /// Cut-off of the positions of every joint, Hz, up to `highest_hz`: where the torque of `arm`, fitted with all joints at the
-/// `common` cut-off, is likelier by `log_odds`, in its logarithm, once that joint alone goes to another. `residual` is that of the fit, in units of the noise;
+/// `common` cut-off, is likelier by `log_odds`, in its logarithm, once that joint alone goes to another. `residual` is that of the fit, in
+/// units of the noise;
 /// `recordings` are the logs of `rows`.
 ///
 /// # Errors
@@ -68,8 +69,8 @@ pub(super) fn of_joints(
         .collect()
 }
 
-/// Joints whose torque, moved in time, holds mostly the encoders' noise, in units of the noise of the torque: by the factor `mostly` more than
-/// along accelerations that stand clear of the noise.
+/// Joints whose torque, moved in time, holds mostly the encoders' noise, in units of the noise of the torque: by the factor `mostly` more
+/// than along accelerations that stand clear of the noise.
 ///
 /// # Errors
 /// If a log is too short to differentiate.

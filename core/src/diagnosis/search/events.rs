@@ -2,7 +2,9 @@
 //! not know it, and whitened rows show little of it. Plain least squares shows it; whether it is significant is asked in the noise that is
 //! estimated with it in the model, at the strict level of what held-out logs cannot confirm.
 
-use super::acceptance::{Accepted, Outcome, Trial};
+use super::acceptance::{Accepted, Outcome, Refusal, Trial};
+use super::found::Rejected;
+use crate::diagnosis::criteria::{Gate, Judgement};
 use crate::diagnosis::evidence::{Judged, Multiplicity};
 use crate::diagnosis::model::{Candidate, Fit, Member, Session, Slot, is_event};
 use crate::diagnosis::noise::Whitener;
@@ -15,11 +17,20 @@ use std::collections::BTreeMap;
 /// Length of a row, s.
 const ROW_S: f64 = 0.02;
 
+/// What came of a search for events.
+#[derive(Debug, Default)]
+pub(super) struct Searched {
+    /// One that is significant.
+    pub accepted: Option<Accepted>,
+    /// Those that failed a gate.
+    pub rejected: Vec<Rejected>,
+}
+
 /// Events that are tried, the clearest first.
 const TRIED: usize = 3;
 
-/// An event of `all` candidates that the noise under the model with `members`, that of `whitener`, holds; None where no joint's noise is far
-/// above that of its sensor, or no event is significant. `alpha` is the family-wise level.
+/// An event of `all` candidates that the noise under the model with `members`, that of `whitener`, holds, or why the clearest was rejected.
+/// None is looked for where no joint's residual is far above the noise of its sensor. `alpha` is the family-wise level.
 ///
 /// # Errors
 /// If a log is too short to differentiate.
@@ -28,13 +39,13 @@ pub(super) fn held_by_noise(
     members: &[Member],
     (all, whitener): (&[Candidate], &Whitener),
     (multiplicity, alpha): (&Multiplicity, f64),
-) -> Result<Option<Accepted>> {
+) -> Result<Searched> {
     let criteria = &session.criteria;
     let rows = &session.logs.train.rows;
     let residual = rms(&rows.valid, &session.residual_on(&session.logs.train, members, whitener)?);
     let is_far = |joint: usize| residual[joint] > criteria.levels.far * rows.sensor_noise(joint, ROW_S);
     if !(0..rows.dof()).any(is_far) {
-        return Ok(None);
+        return Ok(Searched::default());
     }
     let present = session.model.columns(&session.logs.train, members)?;
     let white =
@@ -43,6 +54,7 @@ pub(super) fn held_by_noise(
     let fit = plain.fit(&present, &session.logs.train.torque);
     let events: Vec<&Candidate> = all.iter().filter(|candidate| is_event(candidate.placed.effect)).collect();
     let judged: Vec<Judged> = events.into_par_iter().filter_map(|event| session.judge(event, &plain, &fit)).collect();
+    let mut rejected = Vec::new();
     for seen in clearest(judged).into_iter().take(TRIED) {
         let seen = session.refined(seen, &plain, &fit)?;
         let with: Vec<_> = present.iter().chain(seen.candidate.columns.iter()).cloned().collect();
@@ -51,15 +63,19 @@ pub(super) fn held_by_noise(
         let Some(winner) = session.judge(&seen.candidate, &own, &fit) else { continue };
         let level = multiplicity.level(winner.candidate.family().effect, winner.test.log_p());
         tracing::debug!(slot = ?winner.candidate.slot(), at = ?winner.candidate.placed.parameters, level, "event held by the noise");
-        if level > alpha * criteria.search.unconfirmable {
+        let slot = winner.candidate.slot();
+        let significant = Judgement::at_most(Gate::FamilyWise, level, alpha * criteria.search.unconfirmable);
+        if !significant.passed {
+            rejected.push(Rejected { slot, failed: significant });
             continue;
         }
         let trial = Trial { session, members, whitener: &own, fit: &fit, multiplicity, alpha, tries: None };
-        if let Outcome::Accepted(accepted) = trial.of(&winner, level, Some(own.clone()))? {
-            return Ok(Some(*accepted));
+        match trial.of(&winner, level, Some(own.clone()))? {
+            Outcome::Accepted(accepted) => return Ok(Searched { accepted: Some(*accepted), rejected }),
+            Outcome::Refused(Refusal { failed, .. }) => rejected.push(Rejected { slot, failed }),
         }
     }
-    Ok(None)
+    Ok(Searched { accepted: None, rejected })
 }
 
 /// The best of each slot, the largest statistic first; of equal ones that in all logs first, which held-out logs can confirm.

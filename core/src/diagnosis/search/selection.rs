@@ -73,14 +73,16 @@ pub(crate) fn select(session: &mut Session, options: &Options, watch: &mut Watch
     while found.len() < options.max_findings && in_a_row < session.criteria.search.refusals[0] && !watch.is_over() {
         watch.tell(Progress::Found(found.len()));
         let present = members(&found);
-        if in_a_row == 0
-            && let Some(accepted) =
-                held_by_noise(session, &present, (&round.all, &round.whitener), (&multiplicity, options.alpha))?
-        {
-            in_own_noise.clear();
-            found.push(Found::new(accepted, Vec::new()));
-            round = round.next(session, &mut found, options)?;
-            continue;
+        if in_a_row == 0 {
+            let events =
+                held_by_noise(session, &present, (&round.all, &round.whitener), (&multiplicity, options.alpha))?;
+            rejected.extend(events.rejected);
+            if let Some(accepted) = events.accepted {
+                in_own_noise.clear();
+                found.push(Found::new(accepted, Vec::new()));
+                round = round.next(session, &mut found, options)?;
+                continue;
+            }
         }
         // Nothing confirms those that only the training logs can show.
         let standing = |candidate: &Candidate, level: f64| match strictness(candidate, &session.criteria.search) {

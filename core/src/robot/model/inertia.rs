@@ -1,6 +1,6 @@
 //! The ten inertial parameters of a rigid body.
 
-use super::units::Unit;
+use super::unit::Unit;
 use nalgebra::{Matrix3, SymmetricEigen, Vector3};
 
 /// Number of inertial parameters of one body.

@@ -12,6 +12,7 @@ mod joint;
 mod placeholders;
 mod pose;
 mod tree;
+mod unit;
 mod units;
 
 pub use arm::Robot;
@@ -21,4 +22,4 @@ pub use inertia::{Inertia, PARAMETERS, SYMBOLS, UNITS};
 pub use joint::{Drive, Joint, JointKind, Limits};
 pub use pose::Pose;
 pub use tree::{Follower, Tree};
-pub use units::Unit;
+pub use unit::Unit;

@@ -20,12 +20,12 @@ use rayon::prelude::*;
 /// # let log = |name: &str| recording::load(format!("../tests/reference/pendulum/{name}.csv"), None);
 /// # let (train, test) = (log("train")?, log("test")?);
 ///
-/// // Only what is half of a joint's torque, or twice what is missing, shall matter: the ripple does not.
-/// let criteria = Criteria { share_of_torque: 0.5, share_of_excess: 2.0, ..Criteria::default() };
+/// // Where no joint may be predicted as badly as by the baseline no finding passes: the ripple does not matter.
+/// let criteria = Criteria { worse: 0.5, ..Criteria::default() };
 /// let options = Options { criteria, candidates: vec!["torque_ripple".to_owned()], ..Options::default() };
 /// let answer = Diagnosis::of(&robot).train([&train]).test([&test]).options(options).run()?;
 /// let minor = &answer.diagnosis().expect("the logs are good").minor[0];
-/// assert_eq!(minor.failed.gate, Gate::Size);
+/// assert_eq!(minor.failed.gate, Gate::EveryJoint);
 /// assert_eq!(minor.found.member.placed.effect.about().name, "torque_ripple");
 /// # Ok::<(), tauscope::error::Error>(())
 /// ```

@@ -10,7 +10,7 @@ use nalgebra::Matrix3;
 /// ```
 /// # extern crate tauscope_core as tauscope;
 /// use tauscope::effects::{Effect, Payload, Placed};
-/// use tauscope::robot::{self, InertiaCheck};
+/// use tauscope::robot::{self, InertiaCheck, Unit};
 ///
 /// // The typical payload weighs 6 kg; its centre of mass is 0.12 m in front of the flange.
 /// let mut arm = robot::load("../urdf/irb1600_6_120.urdf", InertiaCheck::Required)?;

@@ -31,9 +31,6 @@ use crate::signal::white_noise;
 const SLOWEST_RATE_HZ: f64 = 50.0;
 const SLOW_CLOCK: f64 = 0.01;
 
-/// Length of a row, s.
-const ROW_S: f64 = 1.0 / SLOWEST_RATE_HZ;
-
 /// Rates closer than this factor are one.
 const SAME_RATE: f64 = 1.2;
 
@@ -297,7 +294,7 @@ fn answer<'a>(
         gap_closed,
         structure: [residual_structure(test, &simulation), residual_structure(test, &extended)],
         sensor_noise: (0..session.model.base.dof())
-            .map(|joint| session.logs.train.rows.sensor_noise(joint, ROW_S).max(test.sensor_noise(joint, ROW_S)))
+            .map(|joint| session.logs.train.rows.sensor_noise(joint, 1).max(test.sensor_noise(joint, 1)))
             .collect(),
         noise_floor,
     };

@@ -136,11 +136,13 @@ impl Session<'_> {
         {
             // The column is that of one size; an estimate of another size is of something else. The smallest column is as good
             // as straight, and stands for everything below it.
-            let sizes = extent(&self.logs.train.rows, candidate.placed.joint).sizes(effect, only);
-            let smallest = sizes.first().copied().unwrap_or_default();
             let size = candidate.placed.parameters[only];
-            let is_straight = size.abs() <= smallest && test.values[0].abs() < criteria.same_size * size.abs();
-            if !(is_straight || criteria.is_same_size(test.values[0], size)) {
+            let is_straight = || {
+                let sizes = extent(&self.logs.train.rows, candidate.placed.joint).sizes(effect, only);
+                let smallest = sizes.first().copied().unwrap_or_default();
+                size.abs() <= smallest && test.values[0].abs() < criteria.same_size * size.abs()
+            };
+            if !(criteria.is_same_size(test.values[0], size) || is_straight()) {
                 return false;
             }
         }

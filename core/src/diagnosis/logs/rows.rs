@@ -61,8 +61,9 @@ pub struct Rows {
 }
 
 impl Rows {
-    /// White noise of the measured torque of a joint in means over so many seconds, of the noisiest log, N m: what its sensor accounts for.
-    pub fn sensor_noise(&self, joint: usize, averaged_s: f64) -> f64 {
+    /// White noise of the measured torque of a joint in means over so many rows, of the noisiest log, N m: what its sensor accounts for.
+    pub fn sensor_noise(&self, joint: usize, rows: usize) -> f64 {
+        let averaged_s = rows as f64 * BLOCK_S;
         let of_log = |log: &Log| {
             let finite: Vec<f64> = log.torque.channel(joint).iter().copied().filter(|x| x.is_finite()).collect();
             white_noise(&finite) * (log.period / averaged_s).sqrt()

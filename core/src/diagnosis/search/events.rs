@@ -6,16 +6,13 @@ use super::acceptance::{Accepted, Outcome, Refusal, Trial};
 use super::found::Rejected;
 use crate::diagnosis::criteria::{Gate, Judgement};
 use crate::diagnosis::evidence::{Judged, Multiplicity};
-use crate::diagnosis::model::{Candidate, Fit, Member, Session, Slot, is_event};
+use crate::diagnosis::model::{Candidate, Member, Session, Slot, is_event};
 use crate::diagnosis::noise::Whitener;
 use crate::diagnosis::regression::rms;
 use crate::error::Result;
 use crate::identification::noise::AutoregressiveNoise;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
-
-/// Length of a row, s.
-const ROW_S: f64 = 0.02;
 
 /// What came of a search for events.
 #[derive(Debug, Default)]
@@ -43,7 +40,7 @@ pub(super) fn held_by_noise(
     let criteria = &session.criteria;
     let rows = &session.logs.train.rows;
     let residual = rms(&rows.valid, &session.residual_on(&session.logs.train, members, whitener)?);
-    let is_far = |joint: usize| residual[joint] > criteria.levels.far * rows.sensor_noise(joint, ROW_S);
+    let is_far = |joint: usize| residual[joint] > criteria.levels.far * rows.sensor_noise(joint, 1);
     if !(0..rows.dof()).any(is_far) {
         return Ok(Searched::default());
     }
@@ -58,7 +55,7 @@ pub(super) fn held_by_noise(
     for seen in clearest(judged).into_iter().take(TRIED) {
         let seen = session.refined(seen, &plain, &fit)?;
         let with: Vec<_> = present.iter().chain(seen.candidate.columns.iter()).cloned().collect();
-        let Fit { whitener: own, .. } = session.fit_under(&with);
+        let own = session.noise_under(&with);
         let fit = own.fit(&present, &session.logs.train.torque);
         let Some(winner) = session.judge(&seen.candidate, &own, &fit) else { continue };
         let level = multiplicity.level(winner.candidate.family().effect, winner.test.log_p());

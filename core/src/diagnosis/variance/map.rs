@@ -21,9 +21,6 @@ const CORRELATION_ROUNDS: usize = 3;
 /// Largest correlation of consecutive rows of noise: what lasts longer is structure, slow time among it.
 const MOST_CORRELATED: f64 = 0.8;
 
-/// Time that a row of the logs stands for, s.
-const ROW_S: f64 = 0.02;
-
 /// What the residual of every joint follows.
 ///
 /// ```
@@ -223,8 +220,7 @@ fn of_joint(source: &Source, joint: usize, criteria: &StructureCriteria, seed: u
     parts.sort_by(|a, b| b.rms.total_cmp(&a.rms));
     let rows = source.rows;
     let valid = rows.torque[joint].iter().zip(&rows.valid[joint]).filter(|(_, ok)| **ok).map(|(x, _)| *x);
-    let averaged_s = ROW_S * together(rows) as f64;
-    let sensor_noise = rows.sensor_noise(joint, averaged_s);
+    let sensor_noise = rows.sensor_noise(joint, together(rows));
     let residual = root_mean_square(&coloured(design.y.as_slice(), &design, rho));
     let noise = (fitted.noise / (1.0 - rho * rho)).sqrt();
     JointMap {

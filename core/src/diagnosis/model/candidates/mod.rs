@@ -13,7 +13,7 @@ use super::arm_columns::Moved;
 use super::roles::{acts_upon_arm, is_event, linear};
 use crate::diagnosis::logs::Rows;
 use crate::diagnosis::regression::{Column, joints_of};
-use crate::effects::{Effect, Hidden, LIBRARY, Nature, Placed, Role};
+use crate::effects::{Effect, Extent, Hidden, LIBRARY, Nature, Placed, Role};
 use crate::error::Result;
 use crate::identification::effect_model::{Arm, Trust};
 use crate::robot::Robot;
@@ -234,9 +234,11 @@ fn wanted(rows: &Rows, trust: Trust, only: &[String]) -> impl Iterator<Item = &'
 
 /// Candidates of `effects` at all places, acting in all logs.
 fn throughout(arm: &Arm, rows: &Rows, effects: impl Iterator<Item = &'static dyn Effect>) -> Result<Vec<Candidate>> {
+    let extents: Vec<Extent> = (0..rows.dof()).map(|joint| extent(rows, joint)).collect();
+    let at = &extents;
     let placed: Vec<Placed> = effects
         .flat_map(|effect| {
-            places(effect, arm.described()).into_iter().flat_map(move |joint| extent(rows, joint).grid(effect, joint))
+            places(effect, arm.described()).into_iter().flat_map(move |joint| at[joint].grid(effect, joint))
         })
         .collect();
     let groups = columns(arm, rows, &placed)?;

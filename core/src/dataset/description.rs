@@ -4,6 +4,10 @@ use super::spec::{Part, SCHEMA, Spec};
 use crate::error::{Error, Result};
 use std::path::{Path, PathBuf};
 
+/// The problem with a file of another kind.
+const NO_DATASET: &str = "this is no dataset, a text in TOML that names the robot and its logs: give a robot's URDF with --robot, and logs \
+                          with --train and --test";
+
 /// A description of logs.
 ///
 /// ```
@@ -41,7 +45,11 @@ impl Dataset {
     /// An unreadable file, an unknown key or unit, another schema, no log to train from.
     pub fn load(path: impl AsRef<Path>) -> Result<Dataset> {
         let path = path.as_ref();
-        let text = std::fs::read_to_string(path).map_err(|source| Error::io(path, "read the dataset", source))?;
+        let bytes = std::fs::read(path).map_err(|source| Error::io(path, "read the dataset", source))?;
+        let text = match String::from_utf8(bytes) {
+            Ok(text) if !is_other(&text) => text,
+            _ => return Err(Error::input(path, None, "--dataset", NO_DATASET)),
+        };
         let spec: Spec = toml::from_str(&text).map_err(|error| Error::toml(path, &text, &error))?;
         let dataset = Dataset { path: path.to_owned(), text, spec };
         if dataset.spec.schema != SCHEMA {
@@ -125,5 +133,31 @@ impl Dataset {
             line.strip_prefix(last).is_some_and(|rest| rest.trim_start().starts_with(['=', ']']))
         });
         Error::input(&self.path, line.map(|line| line + 1), key, problem)
+    }
+}
+
+/// Whether a text is of another kind than TOML: a document of XML or JSON, or a table, whose first lines have neither a key nor a header.
+fn is_other(text: &str) -> bool {
+    let lines = text.trim_start_matches('\u{feff}').lines().map(str::trim);
+    let first: Vec<&str> = lines.filter(|line| !line.is_empty() && !line.starts_with('#')).take(3).collect();
+    let is_toml = |line: &&str| line.contains('=') || line.starts_with('[');
+    first.first().is_some_and(|line| line.starts_with(['<', '{'])) || !first.is_empty() && !first.iter().any(is_toml)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn files_of_other_kinds_are_no_datasets() {
+        for text in ["<?xml version=\"1.0\"?><robot/>", "{\"q\": [1]}", "time,q1,tau1\n0.0,1.0,2.0\n", "# log\n0 1 2\n"]
+        {
+            assert!(is_other(text), "{text}");
+        }
+        for text in
+            ["", "# nothing yet", "schema = \"x\"", "[[train]]\nfile = \"log.csv\"", "schema\nrobot = \"a.urdf\""]
+        {
+            assert!(!is_other(text), "{text}");
+        }
     }
 }

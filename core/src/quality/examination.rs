@@ -177,7 +177,13 @@ fn examine_alone(sieved: &Sieved, robot: Option<&Robot>) -> Result<(Report, Opti
         };
         let of_longest = longest.as_ref().map(|log| View::new(log, robot)).transpose()?;
         let view = of_longest.as_ref().unwrap_or(&whole);
-        units.time_factor = velocity::clock_factor(view, robot);
+        let mut shown_clock = velocity::Clock::of(view, robot);
+        if let (velocity::Clock::Wrong(factor), Some(robot)) = (shown_clock, robot)
+            && descriptions::torques_deny_clock(view.log, robot, factor)?
+        {
+            shown_clock = velocity::Clock::RightByTorques;
+        }
+        units.time_factor = shown_clock.factor();
         let mut time_unknown = false;
         // Nor are torques compared with positions in an unknown unit.
         let units_doubtful = match &in_si {
@@ -200,7 +206,7 @@ fn examine_alone(sieved: &Sieved, robot: Option<&Robot>) -> Result<(Report, Opti
         // Velocities are not compared with positions that stand or count something else.
         let mut incomparable = channels::with_frozen_position(view, &findings);
         incomparable.extend((0..view.dof()).filter(|&joint| position_units.is_unknown(joint)));
-        findings.extend(velocity::findings(view, units.time_factor, &incomparable));
+        findings.extend(velocity::findings(view, shown_clock, &incomparable));
         // The table has positions and speeds as they are compared with the limits.
         let shown = in_si.as_ref().map(|_| motion::summaries(&whole, robot));
         let in_true_time = |log: &Recording| {

@@ -77,6 +77,36 @@ const DELAY_EXPLAINS: f64 = 0.5;
 /// Part of the velocity that the derivative of position may leave unexplained.
 const UNEXPLAINED: f64 = 0.4;
 
+/// Advice on velocities of a factor of no unit, where the torques show that the clock is right.
+const VELOCITY_WRONG: &str = "the torques belong to the positions by this clock, so that the velocity is what is wrong: convert it, or leave \
+                              it out (it is then the derivative of the position)";
+
+/// What velocities and torques show of the clock.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Clock {
+    /// Nothing shows that it is wrong.
+    Right,
+    /// True seconds per second of the clock, by the velocities.
+    Wrong(f64),
+    /// Velocities show a factor, which the torques deny.
+    RightByTorques,
+}
+
+impl Clock {
+    /// What velocities alone show of it.
+    pub(super) fn of(view: &View, robot: Option<&Robot>) -> Clock {
+        clock_factor(view, robot).map_or(Clock::Right, Clock::Wrong)
+    }
+
+    /// True seconds per second, where that is not one.
+    pub(super) fn factor(self) -> Option<f64> {
+        match self {
+            Clock::Wrong(factor) => Some(factor),
+            Clock::Right | Clock::RightByTorques => None,
+        }
+    }
+}
+
 /// Joints that move and have a velocity.
 fn moving(view: &View) -> Vec<usize> {
     let moves = |joint: &usize| {
@@ -86,12 +116,12 @@ fn moving(view: &View) -> Vec<usize> {
     (0..view.dof()).filter(moves).collect()
 }
 
-/// Findings about the velocity columns of joints whose position can be compared; `clock` is the factor by which the clock is wrong.
-pub(super) fn findings(view: &View, clock: Option<f64>, incomparable: &[usize]) -> Vec<Finding> {
+/// Findings about the velocity columns of joints whose position can be compared, and about the clock that they show.
+pub(super) fn findings(view: &View, clock: Clock, incomparable: &[usize]) -> Vec<Finding> {
     let Some(logged) = &view.log.qd else { return Vec::new() };
     let mut out = Vec::new();
     let moving = moving(view);
-    out.extend(clock.map(|factor| clock_finding(factor, moving.len())));
+    out.extend(clock.factor().map(|factor| clock_finding(factor, moving.len())));
     let mut factors: Vec<(usize, f64, Other, &str)> = Vec::new();
     for joint in moving.into_iter().filter(|joint| !incomparable.contains(joint)) {
         let (own, column) = (view.qd.channel(joint), logged.channel(joint));
@@ -121,11 +151,15 @@ pub(super) fn findings(view: &View, clock: Option<f64>, incomparable: &[usize]) 
             out.push(Finding::new(Kind::VelocitySign, Severity::Warning, place.clone(), text));
         }
         let factor = slope.abs();
-        if clock.is_none() && (factor - 1.0).abs() > TOLERANCE {
+        if clock.factor().is_none() && (factor - 1.0).abs() > TOLERANCE {
             let off = |known: f64| (factor / known - 1.0).abs();
             let nearest = FACTORS.iter().min_by(|a, b| off(a.0).total_cmp(&off(b.0)));
             let known = nearest.filter(|(known, _, _)| off(*known) < TOLERANCE);
-            let gear = if factor > 1.0 { AT_MOTOR } else { POSITION_AT_MOTOR };
+            let gear = match clock {
+                Clock::RightByTorques => VELOCITY_WRONG,
+                _ if factor > 1.0 => AT_MOTOR,
+                _ => POSITION_AT_MOTOR,
+            };
             let advice = known.map_or(gear, |(_, _, advice)| advice);
             // A gear may be near the factor of a unit.
             let exact = known.filter(|(known, _, _)| off(*known) < OF_UNIT);

@@ -11,6 +11,16 @@ fn a_clock_that_runs_wrong_is_the_only_fault() {
     }
 }
 
+/// Velocities that are some times too large, by a factor of no unit, while torques and positions belong to the clock.
+#[test]
+fn velocities_of_another_scale_are_no_fault_of_the_clock_where_the_torques_deny_it() {
+    for factor in [4.0, 0.25, 1.6] {
+        assert_found(Kind::VelocityUnit, "qd", Some(&irb()), |log| {
+            log.qd.as_mut().unwrap().as_mut_slice().iter_mut().for_each(|v| *v *= factor);
+        });
+    }
+}
+
 /// Velocities at the motors of gears of one ratio are faster than joints can be: the clock is right.
 #[test]
 fn velocities_at_the_motors_are_no_fault_of_the_clock() {

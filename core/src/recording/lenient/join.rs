@@ -46,6 +46,24 @@ pub(super) fn hide_times(sources: &[Source], header: &mut [String]) -> Vec<Optio
     out
 }
 
+/// Gives columns that are called for their joints alone the quantity for which their file is called: `joint_1` of `torques.csv` is
+/// `tau_joint_1`.
+pub(super) fn name_by_files(paths: &[PathBuf], sources: &[Source], header: &mut [String]) {
+    let mut start = 0;
+    for (path, source) in paths.iter().zip(sources) {
+        let own = start..start + source.header().len();
+        start = own.end;
+        let stem = path.file_stem().and_then(|stem| stem.to_str());
+        let Some(prefix) = stem.and_then(names::prefix_of).filter(|_| paths.len() > 1) else { continue };
+        for column in own.clone() {
+            let has_meaning = !names::meanings(&header[column]).is_empty();
+            if !has_meaning && names::time(&header[column], column - own.start).is_none() {
+                header[column] = format!("{prefix}_{}", header[column]);
+            }
+        }
+    }
+}
+
 /// The rows of all files together: columns indexed as the header, lines of the first file, rows that cannot be read.
 ///
 /// # Errors
@@ -194,5 +212,24 @@ mod tests {
         assert!((log.tau.channel(0)[10] - 5.0).abs() < 1e-9);
         let refused = read(rows("t,tau1", 0.0, 0.02, 40)).unwrap_err().to_string();
         assert!(refused.contains("tau.csv: t: its times, 0 to 0.78, do not overlap"), "{refused}");
+    }
+
+    #[test]
+    fn columns_called_for_joints_alone_are_of_the_quantity_of_their_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let read = |names: [&str; 2]| {
+            let files = names.map(|name| folder.path().join(name));
+            for (file, path) in files.iter().enumerate() {
+                let rows =
+                    (0..60).map(|row| format!("{},{},{}\n", 0.01 * f64::from(row), row * 2 + file as i32, row % 7));
+                std::fs::write(path, format!("time,elbow,wrist\n{}", rows.collect::<String>())).unwrap();
+            }
+            load_together(&files, None, &ColumnMap::default())
+        };
+        let log = read(["positions.csv", "joint_torques.csv"]).unwrap().recording;
+        assert_eq!(log.joints, ["elbow", "wrist"]);
+        assert_eq!((log.q.channel(0)[3], log.tau.channel(0)[3]), (6.0, 7.0));
+        assert!(read(["positions.csv", "currents.csv"]).unwrap().currents);
+        assert!(read(["a.csv", "b.csv"]).is_err());
     }
 }

@@ -104,6 +104,7 @@ fn read(paths: &[PathBuf], joints: Option<&[String]>, map: &ColumnMap, positions
     }
     let header = sources.iter().flat_map(Source::header).cloned().collect();
     let mut header = map.rename(path, header)?;
+    join::name_by_files(paths, &sources, &mut header);
     let by_time = join::hide_times(&sources, &mut header);
     let own = sources[0].own_joints();
     let demand = Demand { lenient: true, timeless: map.rate_hz.is_some(), positions_alone };

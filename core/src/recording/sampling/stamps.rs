@@ -18,6 +18,9 @@ const USUAL: f64 = 0.9;
 /// No arm is logged at shorter steps, s: rows that are closer come at once, however many they are.
 const AT_ONCE_S: f64 = 1e-4;
 
+/// A step of time in single precision that is longer than this hides the rows, s.
+const COARSEST_S: f64 = 0.1;
+
 /// A step this many times longer than the coarse clock's, or than rows are apart, is a gap.
 const GAP: f64 = 4.0;
 
@@ -105,6 +108,10 @@ pub(crate) fn clock(
     }
     let used = layout.used();
     let time = layout.time();
+    if let Some(spoilt) = standing(&columns[time]) {
+        clock.spoilt = Some(spoilt);
+        return Ok(clock);
+    }
     let mut stamps = std::mem::take(&mut columns[time]);
     let signals: Vec<&[f64]> = positions.iter().map(|&column| columns[column].as_slice()).collect();
     clock.corrections.extend(late::undo(&mut stamps));
@@ -128,6 +135,26 @@ pub(crate) fn clock(
         columns[time] = spread;
     }
     Ok(clock)
+}
+
+/// What is wrong with a time that is the same in all rows, and what to do.
+fn standing(time: &[f64]) -> Option<String> {
+    let first = *time.first()?;
+    if time.len() < FEWEST || !time.iter().all(|t| *t == first) {
+        return None;
+    }
+    // Neighbours of this number in single precision are so far apart.
+    let step = f64::from(f32::EPSILON) * 2f64.powf(first.abs().max(1.0).log2().floor());
+    let cause = match step > COARSEST_S && f64::from(first as f32) == first {
+        true => format!(
+            ": numbers of single precision are {step} s apart there; write time in double precision (float64), or subtract the first \
+             time before it is converted"
+        ),
+        false => {
+            "; log the time of each row, or give the rate of the rows in a dataset: [columns] rate_hz = 100".to_owned()
+        }
+    };
+    Some(format!("the time is {first} s in every row{cause}"))
 }
 
 /// Rows that come in bursts, evenly sampled or not, are stamped as they arrived: they are spread evenly.
@@ -301,6 +328,15 @@ mod tests {
     }
 
     /// Pairs of rows at 100 Hz, the second of each just behind the first.
+    #[test]
+    fn a_time_that_stands_is_no_time() {
+        let single = vec![f64::from(1_764_321_152.0_f32); 50];
+        assert!(standing(&single).is_some_and(|text| text.contains("single precision are 128 s apart")));
+        assert!(standing(&[0.1; 50]).is_some_and(|text| text.contains("rate_hz")));
+        let moving: Vec<f64> = (0..50).map(|row| f64::from(row / 10)).collect();
+        assert!(standing(&moving).is_none() && standing(&[1.0; FEWEST - 1]).is_none());
+    }
+
     #[test]
     fn bursts_are_spread_evenly() {
         let pairs = |apart: f64| -> Vec<f64> {

@@ -112,6 +112,24 @@ impl Assembly<'_> {
         Ok(link.inertia)
     }
 
+    /// Notes moving bodies whose mass is negative, and those without mass where others have one: a slip in the file.
+    pub(super) fn note_impossible_masses(&mut self, made: &[(Joint, Option<usize>)]) {
+        let of_joints = |is_meant: fn(f64) -> bool| -> Vec<&str> {
+            let meant = made.iter().filter(|(joint, _)| is_meant(joint.inertia.mass()));
+            meant.map(|(joint, _)| joint.name.as_str()).collect()
+        };
+        let (negative, none) = (of_joints(|mass| mass < 0.0), of_joints(|mass| mass == 0.0));
+        for (joints, what) in [(negative, "a negative mass"), (none, "no mass")] {
+            if !joints.is_empty() && joints.len() < made.len() {
+                let text = format!(
+                    "the file gives {what} to what {} moves; `--trust structure` does not use it",
+                    joints.join(", ")
+                );
+                self.notes.push(text);
+            }
+        }
+    }
+
     /// The body that carries the flange, and its pose there: the link asked for, or the one behind the most fixed joints on the
     /// body with the most moving joints before it.
     pub(super) fn flange(&self, choice: &Choice, made: &[(Joint, Option<usize>)]) -> Result<(usize, Pose)> {

@@ -39,6 +39,7 @@ impl Description {
         let mut assembly = Assembly { file: self, inertias, places: &places, bodies: &bodies, notes: &mut notes };
         let made = bodies.iter().map(|&joint| assembly.joint(joint)).collect::<Result<Vec<_>>>()?;
         let (tip, flange) = assembly.flange(choice, &made)?;
+        assembly.note_impossible_masses(&made);
         let (mut joints, parents): (Vec<Joint>, Vec<Option<usize>>) = made.into_iter().unzip();
         let trailing = joints.split_off(coordinates.len());
         let mut followed = Vec::new();

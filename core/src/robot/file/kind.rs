@@ -94,8 +94,24 @@ fn of_bytes(path: &Path, bytes: Vec<u8>) -> Result<Description> {
             Error::Input { line, .. } => Err(refusal(path, *line, "a xacro file, not the URDF it makes", XACRO_CURE)),
             _ => Err(error),
         },
+        Ok(mut description) if unfilled => {
+            description.notes.extend(unfilled_names(&description));
+            Ok(description)
+        }
         read => read,
     }
+}
+
+/// Names that a xacro file left open, as `${prefix}elbow`.
+fn unfilled_names(description: &Description) -> Option<String> {
+    let is_open = |name: &&str| name.contains("${") || name.contains("$(");
+    let joints = description.joints.iter().map(|joint| joint.name.as_str());
+    let first = joints.chain(description.links.iter().map(|link| link.name.as_str())).find(is_open)?;
+    let file = description.source.file_name().map_or_else(Default::default, |name| name.to_string_lossy());
+    Some(format!(
+        "names hold expressions of xacro that were not evaluated, as `{first}`: {}",
+        XACRO_CURE.replace("FILE", &file)
+    ))
 }
 
 fn is_robot(root: &Node) -> bool {
@@ -172,7 +188,9 @@ fn plain(path: &Path, text: &str) -> Option<(&'static str, &'static str)> {
         return None;
     }
     let first = text.lines().next().unwrap_or_default();
-    let words = |separator: char| first.split(separator).count() > 2;
+    let digits = |line: &str| line.bytes().any(|byte| byte.is_ascii_digit());
+    let is_table = text.lines().skip(1).take(3).any(digits) || digits(first);
+    let words = |separator: char| is_table && first.split(separator).count() > 2;
     if text.starts_with("solid") && text.contains("facet") {
         Some(("an STL mesh", MESH_CURE))
     } else if text.starts_with(['{', '[']) && path.extension().is_none_or(|e| e != "toml") && !first.contains("]]") {
@@ -181,7 +199,7 @@ fn plain(path: &Path, text: &str) -> Option<(&'static str, &'static str)> {
         Some(("a tauscope file", "give the URDF that it names"))
     } else if text.contains("\nv ") && text.contains("\nf ") {
         Some(("an OBJ mesh", MESH_CURE))
-    } else if words(',') || words(';') || first.split_whitespace().count() > 2 {
+    } else if words(',') || words(';') || is_table && first.split_whitespace().count() > 2 {
         Some(("a table or log", LOG_CURE))
     } else {
         Some(("a text of another kind", "give the arm's URDF, which starts with <robot>"))
@@ -212,6 +230,7 @@ fn macros<'a>(document: &'a Document) -> Option<Node<'a, 'a>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::robot::{Choice, InertiaCheck};
     use proptest::prelude::*;
 
     const ROBOTS: [&str; 2] = [
@@ -258,6 +277,39 @@ mod tests {
     }
 
     #[test]
+    fn slips_in_a_file_are_noted() {
+        let robot = |prefix: &str, masses: [f64; 2]| {
+            let link = |name: &str, mass: f64| {
+                format!(
+                    "<link name=\"{name}\"><inertial><origin xyz=\"0 0 0.1\"/><mass value=\"{mass}\"/><inertia ixx=\"0.1\" ixy=\"0\" \
+                     ixz=\"0\" iyy=\"0.1\" iyz=\"0\" izz=\"0.1\"/></inertial></link>"
+                )
+            };
+            let joint = |name: &str, parent: &str, child: &str| {
+                format!(
+                    "<joint name=\"{prefix}{name}\" type=\"continuous\"><parent link=\"{parent}\"/><child link=\"{child}\"/><axis \
+                     xyz=\"0 1 0\"/></joint>"
+                )
+            };
+            let text = format!(
+                "<robot name=\"a\"><link name=\"base\"/>{}{}{}{}</robot>",
+                link("upper", masses[0]),
+                link("fore", masses[1]),
+                joint("shoulder", "base", "upper"),
+                joint("elbow", "upper", "fore")
+            );
+            parse(&text, "arm.urdf").unwrap().robot(&Choice::default(), InertiaCheck::Ignored).unwrap().notes.join("\n")
+        };
+        assert_eq!(robot("", [2.0, 1.0]), "");
+        let note = robot("${prefix}", [2.0, 1.0]);
+        assert!(note.contains("`${prefix}shoulder`") && note.contains("xacro arm.urdf -o robot.urdf"), "{note}");
+        assert!(robot("", [-2.0, 1.0]).contains("a negative mass to what shoulder moves"));
+        assert!(robot("", [2.0, 0.0]).contains("no mass to what elbow moves"));
+        // None of all links: that is no slip, and is noted elsewhere.
+        assert_eq!(robot("", [0.0, 0.0]), "");
+    }
+
+    #[test]
     fn both_kinds_are_read_whatever_the_name() {
         assert_eq!(ROBOTS.map(|text| of(text).unwrap().joints.len()), [1, 3]);
     }
@@ -276,6 +328,7 @@ mod tests {
             (b"PXR-USDC\0\0", ["USD", "`usd_to_urdf "]),
             (b"t,q1,q2\n0,1,2\n", ["a table or log", "--train"]),
             (b"0.0 1.0 2.0\n", ["a table or log", "--train"]),
+            (b"Dear colleague, the URDF is on the share, best regards\n", ["a text of another kind", "<robot>"]),
             (b"#ROSBAG V2.0\n", ["ROS 1 bag", "--train"]),
             (b"{\"robot\": 1}", ["JSON", "URDF"]),
             (b"ISO-10303-21;\n", ["STEP", "export a URDF"]),

@@ -54,8 +54,7 @@ const FEWEST_BLOCKS: usize = 8;
 /// # Errors
 /// Those of the filters.
 pub(crate) fn clock_factor(log: &Recording, robot: &Robot) -> Result<Option<f64>> {
-    let middle = log.samples().saturating_sub(MOST_SAMPLES) / 2;
-    let log = log.slice(middle..(middle + MOST_SAMPLES).min(log.samples()));
+    let log = middle(log);
     let times = Times { log: &log, robot, rows: RefCell::default() };
     let masses = Physics::masses(robot);
     let masses = masses.as_ref().map(|masses| Timing::new(&times, masses)).transpose()?;
@@ -83,6 +82,34 @@ pub(crate) fn clock_factor(log: &Recording, robot: &Robot) -> Result<Option<f64>
     let other = judge(&[&View::new(&log, Some(robot))?], Some(robot));
     let explains = other.verdict.is_some_and(|verdict| verdict.after < DISTINCT * share);
     Ok((!explains).then_some(factor))
+}
+
+/// Whether the torques deny a factor that velocities show: bodies explain them clearly better in the time of the clock than in a time that
+/// is longer by the factor. The velocities are then wrong, not the clock.
+///
+/// # Errors
+/// Those of the filters.
+pub(crate) fn torques_deny_clock(log: &Recording, robot: &Robot, factor: f64) -> Result<bool> {
+    let log = middle(log);
+    let times = Times { log: &log, robot, rows: RefCell::default() };
+    let Some(rows) = times.rows(1.0)?.filter(|rows| rows.log.len() >= FEWEST_BLOCKS) else { return Ok(false) };
+    let denied = |physics: Physics| -> Result<bool> {
+        let timing = Timing::new(&times, &physics)?;
+        let Some(with) = timing.tried(&rows).filter(Tried::explains_half) else { return Ok(false) };
+        Ok(timing.gain(&rows, &with, 1.0 / factor).is_some_and(|gain| is_clear(&gain)))
+    };
+    Ok(Physics::masses(robot).map(denied).transpose()? == Some(true) || denied(Physics::free(robot))?)
+}
+
+/// Whether a factor of the clock is better than another by more than what a model that lacks something allows.
+fn is_clear(gain: &Comparison) -> bool {
+    gain.is_better(TRIED.len(), EXPLAINED) && gain.is_large(1)
+}
+
+/// The middle of a log, of as many samples as are looked at.
+fn middle(log: &Recording) -> Recording {
+    let start = log.samples().saturating_sub(MOST_SAMPLES) / 2;
+    log.slice(start..(start + MOST_SAMPLES).min(log.samples()))
 }
 
 /// A factor that the described bodies show, whatever they weigh, where free bodies confirm it: moments of inertia that are placeholders
@@ -189,8 +216,7 @@ impl<'a> Timing<'a> {
     /// Whether a factor explains half of the torques, clearly better than the clock does, and than motion without inertia does, and torques
     /// without gravity.
     fn is_shown(&self, rows: &Rows, with: &Tried, factor: f64) -> bool {
-        let is_clear = |gain: Comparison| gain.is_better(TRIED.len(), EXPLAINED) && gain.is_large(1);
-        let better = |than: f64| self.gain(rows, with, than).is_some_and(is_clear);
+        let better = |than: f64| self.gain(rows, with, than).is_some_and(|gain| is_clear(&gain));
         with.explains_half()
             && better(factor)
             && better(SLOW)

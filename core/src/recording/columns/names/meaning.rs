@@ -168,6 +168,12 @@ pub(crate) fn meanings(column: &str) -> Vec<Meaning> {
     out
 }
 
+/// The prefix of columns of the quantity that a name means by itself, as that of a file: `tau` for `joint_torques`.
+pub(crate) fn prefix_of(name: &str) -> Option<&'static str> {
+    let (quantity, current) = quantity(&words(name))?;
+    Some(if current { "current" } else { QUANTITIES[quantity].prefixes[0] })
+}
+
 /// What stands in brackets behind a name and is no unit of the quantity that is known; `joints` may stand there too.
 pub(crate) fn unknown_unit<'a>(column: &'a str, quantity: usize, joints: &[String]) -> Option<&'a str> {
     let (_, unit) = without_unit(column);
@@ -200,7 +206,7 @@ fn readings(column: &str) -> Vec<Meaning> {
         || (index(name).is_some() && own.iter().any(|word| WANTED_NUMBERED.contains(&word.as_str())));
     let mut out = Vec::new();
     if !wanted {
-        out.extend(numbered(name));
+        out.extend(numbered(name).or_else(|| of_device(name)));
     }
     out.extend(
         plain(name)
@@ -298,6 +304,15 @@ fn numbered(name: &str) -> Option<Meaning> {
     let family = if written { String::new() } else { stem.to_owned() };
     let rank = if written { 0 } else { 1 };
     Some(Meaning { rank, current, ..Meaning::new(quantity, Joint::Number(number), family) })
+}
+
+/// `axisTauMsr_LBR_iiwa_7_R800_1[0]`: a quantity of several words in one, and the name of the device before the number in brackets.
+fn of_device(name: &str) -> Option<Meaning> {
+    let (stem, number) = index(name).filter(|_| name.ends_with(']'))?;
+    let (first, _) = stem.split_once('_')?;
+    let words = words(first);
+    let (quantity, current) = quantity(&words).filter(|_| words.len() > 1)?;
+    Some(Meaning { rank: 3, current, ..Meaning::new(quantity, Joint::Number(number), stem.to_owned()) })
 }
 
 /// `/joint_states/position/elbow`, `position_elbow`, `elbow.pos`, `/joint_states/elbow/position`, `elbow current`.

@@ -12,7 +12,7 @@ mod time;
 mod unit;
 mod words;
 
-pub(crate) use meaning::{Joint, Meaning, meanings, unknown_unit};
+pub(crate) use meaning::{Joint, Meaning, meanings, prefix_of, unknown_unit};
 pub(crate) use quantity::{ACCELERATION, POSITION, QUANTITIES, Quantity, TORQUE, TRUE, VELOCITY};
 pub(crate) use time::{INDEX, OWN_TIME, Part, Time, time};
 pub(crate) use unit::{Unit, is_unit};

@@ -55,6 +55,7 @@ pub(crate) const QUANTITIES: [Quantity; 4] = [
             "axis_position",
             "axis_act",
             "aipos",
+            "axis_qmsr",
         ],
     },
     Quantity {
@@ -138,6 +139,7 @@ pub(crate) const QUANTITIES: [Quantity; 4] = [
             "couple",
             "coppia",
             "axis_torque",
+            "axis_tau",
             "axis_trq",
             "torque_axis",
             "motor_torque",

@@ -45,6 +45,8 @@ fn numbers_behind_the_quantity() {
         ("tau_out_1", TORQUE, 1),
         ("feedback_pos_4", POSITION, 4),
         ("dof_force_1", TORQUE, 1),
+        ("axisQMsr_LBR_iiwa_7_R800_1[0]", POSITION, 0),
+        ("axisTauMsr_LBR_iiwa_14_R820_1[6]", TORQUE, 6),
     ] {
         assert_eq!(first(column), Some((quantity, Joint::Number(number))), "{column}");
     }
@@ -193,6 +195,8 @@ fn columns_of_time() {
     for column in ["header.stamp.nanosec", "stamp_nsecs", "nanosec"] {
         assert_eq!(time(column, 1).unwrap().part, Part::Nanoseconds, "{column}");
     }
+    assert_eq!(time("ZeitInSec", 0).unwrap().part, Part::Seconds);
+    assert_eq!(time("ZeitInNanoSec", 1).unwrap().part, Part::Nanoseconds);
     assert_eq!(time("", 0).unwrap().rank, INDEX);
     assert_eq!((time("", 3), time("dead_time_ms", 0), time("seq", 0)), (None, None, None));
 }

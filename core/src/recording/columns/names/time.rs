@@ -54,12 +54,15 @@ pub(crate) fn time(column: &str, place: usize) -> Option<Time> {
         _ => None,
     };
     let whole = words.join("_");
-    let stamped = whole.ends_with("stamp_sec") || whole.ends_with("stamp_secs") || matches!(&*whole, "sec" | "secs");
+    let stamped = whole.ends_with("stamp_sec")
+        || whole.ends_with("stamp_secs")
+        || matches!(&*whole, "sec" | "secs" | "zeit_in_sec" | "time_in_sec");
     if stamped {
         return time(OF_MESSAGE, None, Part::Seconds);
     }
     let behind = ["nanosec", "nanosecs", "nsec", "nsecs"];
-    if behind.iter().any(|word| whole.ends_with(&format!("stamp_{word}")) || whole == *word) {
+    let in_nanoseconds = matches!(&*whole, "zeit_in_nano_sec" | "time_in_nano_sec");
+    if in_nanoseconds || behind.iter().any(|word| whole.ends_with(&format!("stamp_{word}")) || whole == *word) {
         return time(OF_MESSAGE, None, Part::Nanoseconds);
     }
     let mut factor = unit.and_then(|unit| factor_of(&unit.to_lowercase()));

@@ -67,9 +67,11 @@ pub fn examine_together(logs: &[&Sieved], robot: Option<&Robot>) -> Result<Toget
     let views: Vec<View> = torques.iter().flatten().map(|log| View::new(log, robot)).collect::<Result<_>>()?;
     let all: Vec<&View> = views.iter().collect();
     let descriptions::Judged { verdict, tilt } = descriptions::judge(&all, robot);
+    let by_themselves =
+        verdict.is_none() && views.len() > 1 && robot.is_none_or(|robot| descriptions::contradict(&all, robot));
     for (&log, view) in with_torque.iter().zip(&views) {
         let own = match verdict {
-            None if views.len() > 1 => descriptions::judge(&[view], robot).verdict,
+            None if by_themselves => descriptions::judge(&[view], robot).verdict,
             _ => verdict.clone(),
         };
         if let Some(own) = own {

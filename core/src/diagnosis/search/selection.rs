@@ -70,10 +70,17 @@ pub(crate) fn select(session: &mut Session, options: &Options, watch: &mut Watch
     tracing::debug!(new = ?first_whitener.innovation_std(), rows = ?first_whitener.rows(), "noise");
     let multiplicity = round.scan.multiplicity(&round.fit, &round.whitener, options.seed);
     let ranking = ranking(&round.scan);
-    while found.len() < options.max_findings && in_a_row < session.criteria.search.refusals[0] && !watch.is_over() {
+    // Events are looked for at first, and again once nothing else is found: every look fits each window of time anew.
+    let (mut events_asked, mut exhausted) = (None, false);
+    while found.len() < options.max_findings && !watch.is_over() {
         watch.tell(Progress::Found(found.len()));
-        let present = members(&found);
-        if in_a_row == 0 {
+        exhausted |= in_a_row >= session.criteria.search.refusals[0];
+        if events_asked.is_none() || exhausted {
+            if events_asked == Some(found.len()) {
+                break;
+            }
+            events_asked = Some(found.len());
+            let present = members(&found);
             let events =
                 held_by_noise(session, &present, (&round.all, &round.whitener), (&multiplicity, options.alpha))?;
             rejected.extend(events.rejected);
@@ -81,7 +88,11 @@ pub(crate) fn select(session: &mut Session, options: &Options, watch: &mut Watch
                 in_own_noise.clear();
                 found.push(Found::new(accepted, Vec::new()));
                 round = round.next(session, &mut found, options)?;
+                (in_a_row, exhausted, events_asked) = (0, false, None);
                 continue;
+            }
+            if exhausted {
+                break;
             }
         }
         // Nothing confirms those that only the training logs can show.
@@ -90,7 +101,10 @@ pub(crate) fn select(session: &mut Session, options: &Options, watch: &mut Watch
             _ if level <= options.alpha => Standing::NotSignificant,
             _ => Standing::Excluded,
         };
-        let Some(contenders) = Contenders::new(&round.scan, &found, &refused, &multiplicity, standing) else { break };
+        let Some(contenders) = Contenders::new(&round.scan, &found, &refused, &multiplicity, standing) else {
+            exhausted = true;
+            continue;
+        };
         let level = contenders.level;
         for judged in contenders.best.iter().take(LOGGED) {
             let (family, test) = (judged.candidate.family(), &judged.test);
@@ -106,7 +120,8 @@ pub(crate) fn select(session: &mut Session, options: &Options, watch: &mut Watch
         let tries = session.criteria.search.attempts().get(asked).copied();
         if level > options.alpha && (tries.is_none() || level > session.criteria.levels.even_p) {
             rejected.extend(contenders.not_significant(options.alpha));
-            break;
+            exhausted = true;
+            continue;
         }
         let members = members(&found);
         let compared = compare(session, &members, &contenders, &round.all, &multiplicity, &mut in_own_noise)?;

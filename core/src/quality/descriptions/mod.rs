@@ -24,6 +24,7 @@
 mod bodies;
 mod change;
 mod compare;
+mod contradiction;
 mod findings;
 mod fitting;
 mod judgement;
@@ -42,6 +43,7 @@ mod weights;
 
 pub(super) use bodies::finding as of_another_robot;
 pub use change::{Change, Description};
+pub(super) use contradiction::contradict;
 pub(super) use findings::{findings, of_tilt};
 pub use findings::{is_description, words};
 pub(super) use judgement::{Judged, is_modelled, judge};

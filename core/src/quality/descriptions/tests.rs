@@ -1,9 +1,11 @@
 //! Laws over many simulated logs: a right description is never accused, whatever the arm does beyond the model; a wrong one is
 //! found, alone or with a second, and `corrected` logs are those of the right description.
 
+use super::contradiction::contradict;
 use super::*;
 use crate::channels::Channels;
 use crate::dynamics::{Chain, Motion, inverse_dynamics};
+use crate::quality::view::View;
 use crate::quality::{Kind, examine_together};
 use crate::random;
 use crate::recording::Recording;
@@ -266,6 +268,22 @@ fn a_scale_of_the_torque_is_found_and_not_applied() {
         let verdict = report.description.as_ref().unwrap();
         let [Change::TorqueScale(found)] = verdict.description.changes[..] else { panic!("{verdict:?}") };
         assert!((found * factor - 1.0).abs() < 0.3 && !verdict.beyond_doubt, "{found} of {factor}");
+    }
+}
+
+#[test]
+fn a_sign_that_is_wrong_in_one_log_contradicts_the_others() {
+    let robot = irb();
+    for oddity in [Oddity::None, Oddity::Stribeck] {
+        let contradicts = |wrong: &[usize]| {
+            let mut logs: Vec<Sieved> = (1..4).map(|seed| simulated(&robot, oddity, 20.0, seed)).collect();
+            for &log in wrong {
+                logs[log].recording.tau.channel_mut(2).iter_mut().for_each(|torque| *torque = -*torque);
+            }
+            let views: Vec<View> = logs.iter().map(|log| View::new(&log.recording, Some(&robot)).unwrap()).collect();
+            contradict(&views.iter().collect::<Vec<_>>(), &robot)
+        };
+        assert!(!contradicts(&[]) && contradicts(&[1]) && contradicts(&[0, 2]), "{oddity:?}");
     }
 }
 

@@ -1,0 +1,71 @@
+//! Whether logs of one arm contradict each other, so that each is judged by itself.
+//!
+//! A description that is wrong in one log and right in another is not seen in both together: no change explains both. The logs then have
+//! parameters of the bodies that differ, or one leaves much more of a torque unexplained than another. A search in every log by itself
+//! takes as long as that in all of them; logs that agree are spared it.
+
+use super::change::Description;
+use super::fitting::{Physics, Rows};
+use super::tried::Tried;
+use crate::quality::view::View;
+use crate::robot::Robot;
+
+/// Factor between residuals, root mean squares, from which they differ, and the share of a torque below which none does.
+const DIFFERS: f64 = 2.0;
+const CLEAN: f64 = 0.04;
+
+/// Whether some of these logs contradict each other. Those that cannot be compared may.
+pub(crate) fn contradict(views: &[&View], robot: &Robot) -> bool {
+    let bodies = Some(robot).filter(|robot| robot.placeholders().is_none()).and_then(Physics::bodies);
+    let agree = |physics: &Physics| agree(views, robot, physics) == Some(true);
+    !(agree(&Physics::free(robot)) && bodies.as_ref().is_none_or(agree))
+}
+
+/// Whether one set of parameters explains all logs about as well as each has its own, and all about as well; None where they cannot be
+/// fitted.
+fn agree(views: &[&View], robot: &Robot, physics: &Physics) -> Option<bool> {
+    let tried = |views: &[&View]| -> Option<(Rows, Tried)> {
+        let rows = Rows::new(views, Some(robot))?;
+        let as_given = Description::as_given(robot.dof(), robot.gravity);
+        let tried = Tried::new(physics, &rows, as_given)?;
+        Some((rows, tried))
+    };
+    let (rows, together) = tried(views)?;
+    let mut shares: Vec<Vec<f64>> = vec![Vec::new(); together.evaluation.held_out.len()];
+    for (log, view) in views.iter().enumerate() {
+        let (_, alone) = tried(&[view])?;
+        for (channel, of_channel) in shares.iter_mut().enumerate() {
+            let blocks = together.evaluation.held_out[channel].iter().zip(&rows.log);
+            let in_log = mean(blocks.filter(|(_, own)| **own == log).filter_map(|(value, _)| *value));
+            let by_itself = mean(alone.evaluation.held_out[channel].iter().copied().flatten());
+            if in_log.zip(by_itself).is_some_and(|(together, alone)| together - alone > 2.0 * DIFFERS.ln()) {
+                return Some(false);
+            }
+            of_channel.extend(alone.evaluation.unexplained[channel]);
+        }
+    }
+    Some(shares.iter().all(|shares| are_alike(shares)))
+}
+
+/// Whether no log leaves a much larger share of a torque than another.
+fn are_alike(shares: &[f64]) -> bool {
+    let [least, most] =
+        shares.iter().fold([f64::INFINITY, 0.0f64], |[least, most], share| [least.min(*share), most.max(*share)]);
+    shares.is_empty() || most <= DIFFERS * least + CLEAN
+}
+
+/// Mean of some values; None of none.
+fn mean(values: impl Iterator<Item = f64>) -> Option<f64> {
+    let (sum, count) = values.fold((0.0, 0usize), |(sum, count), value| (sum + value, count + 1));
+    (count > 0).then(|| sum / count as f64)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shares_are_alike_up_to_a_factor_of_two_and_a_margin() {
+        assert!(are_alike(&[]) && are_alike(&[0.1, 0.23]) && !are_alike(&[0.1, 0.25]) && are_alike(&[0.0, 0.039]));
+    }
+}

@@ -121,6 +121,11 @@ pub struct NamedParameter {
     pub unit: &'static str,
 }
 
+/// The law that stands for the inertias of the description as a whole.
+pub(super) fn law_of_inertias() -> &'static str {
+    LinkInertiaError.about().name
+}
+
 /// All findings, wrong inertias as a whole first.
 pub fn findings(robot: &Robot, diagnosis: &Diagnosis) -> Vec<Finding> {
     let inertias = diagnosis.inertias.iter().map(|gain| all_inertias(robot, gain));
@@ -133,7 +138,7 @@ pub fn findings(robot: &Robot, diagnosis: &Diagnosis) -> Vec<Finding> {
 fn all_inertias(robot: &Robot, gain: &Gain) -> Finding {
     let [before, after] = gain.rms.clone();
     Finding {
-        effect: LinkInertiaError.about().name,
+        effect: law_of_inertias(),
         joints: robot.joint_names(),
         verdict: Verdict::Named,
         alternatives: Vec::new(),

@@ -62,12 +62,13 @@ pub(super) fn rattling_gears(session: &Session, options: &Options) -> Result<Imp
             Judgement::at_most(Gate::ImpactsAgain, each[1].exp(), levels.usual_p).or(both || test.changes(joint) == 0),
             Judgement::at_most(Gate::ImpactsAlike, alike.exp(), levels.strict_p),
         ];
-        if let Some(failed) = Judgement::first_failed(gates) {
-            let slot = (Family { effect: effect.about().name, joint }, None);
-            rejected = Some(Rejected { slot, failed });
+        let failed = Judgement::first_failed(gates);
+        let play = failed.is_none().then(|| train.play(joint, &session.model.arm, &session.logs.train.rows)).flatten();
+        let Some(play) = play else {
+            let failed = failed.unwrap_or(Judgement::at_least(Gate::ImpactsTimed, 0.0, 1.0));
+            rejected = Some(Rejected { slot: (Family { effect: effect.about().name, joint }, None), failed });
             break;
-        }
-        let Some(play) = train.play(joint, &session.model.arm, &session.logs.train.rows) else { break };
+        };
         let rivals: Vec<usize> = all[1..]
             .iter()
             .filter(|(_, log_p)| family_wise(*log_p, dof as f64) < limit)

@@ -6,7 +6,7 @@ use super::quantities::Derived;
 use crate::diagnosis::criteria::{Judgement, Levels};
 use crate::diagnosis::model::Family;
 use crate::diagnosis::search::{Found, Verdict};
-use crate::effects::{self, Effect, LinkInertiaError, Placed, Role, Scope};
+use crate::effects::{self, Placed, Role, Scope};
 use crate::robot::Robot;
 use serde::Serialize;
 
@@ -123,7 +123,7 @@ pub struct NamedParameter {
 
 /// The law that stands for the inertias of the description as a whole.
 pub(super) fn law_of_inertias() -> &'static str {
-    LinkInertiaError.about().name
+    effects::wrong_inertia().about().name
 }
 
 /// All findings, wrong inertias as a whole first.

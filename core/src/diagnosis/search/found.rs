@@ -5,7 +5,7 @@ use super::verdict::Verdict;
 use crate::diagnosis::criteria::Judgement;
 use crate::diagnosis::evidence::Play;
 use crate::diagnosis::model::{Candidate, Family, Member, Session, Slot};
-use crate::effects::{Backlash, Effect, Nature};
+use crate::effects::{self, Nature};
 
 /// Another effect that explains the same.
 #[derive(Debug, Clone)]
@@ -129,7 +129,7 @@ pub(super) fn explained_by_play(
         let own = rattling.filter(|family| family.joint == placed.joint);
         alternatives.extend(own.map(|family| Alternative { family, relative_likelihood: 1.0 }));
     }
-    let play = Family { effect: Backlash.about().name, joint: placed.joint };
+    let play = Family { effect: effects::play().about().name, joint: placed.joint };
     let is_open = placed.effect.about().nature == Nature::LikePlay && session.model.open_play.contains(&placed.joint);
     if is_open && alternatives.iter().all(|other| other.family != play) {
         alternatives.push(Alternative { family: play, relative_likelihood: 1.0 });

@@ -7,7 +7,7 @@ use crate::diagnosis::criteria::{Criteria, Gate, Judgement};
 use crate::diagnosis::evidence::{Play, Traces, family_wise};
 use crate::diagnosis::model::{Candidate, Family, Member, PreparedLogs, Session, columns, is_candidate};
 use crate::diagnosis::regression::fisher;
-use crate::effects::{Backlash, Effect, Nature, Placed};
+use crate::effects::{self, Effect, Nature, Placed};
 use crate::error::Result;
 
 /// What impacts in the logs show.
@@ -29,7 +29,7 @@ pub(super) struct Impacts {
 /// # Errors
 /// If a log is too short to differentiate.
 pub(super) fn rattling_gears(session: &Session, options: &Options) -> Result<Impacts> {
-    let effect: &'static dyn Effect = &Backlash;
+    let effect = effects::play();
     if !is_candidate(effect, options.trust, &options.candidates) {
         return Ok(Impacts::default());
     }

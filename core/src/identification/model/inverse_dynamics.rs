@@ -6,7 +6,7 @@ use super::standard::{COULOMB, ROTOR, STANDARD, VISCOUS};
 use super::streamed::{self, Writer};
 use crate::channels::Channels;
 use crate::dynamics::{BaseParameters, Chain, Entries, Lanes, Motion};
-use crate::effects::{CoulombFriction, Effect, ViscousFriction, direction};
+use crate::effects::{direction, laws_of_drive};
 use crate::error::Result;
 use crate::identification::numerics::sequences::combine_into;
 use crate::lane::Aligned;
@@ -125,8 +125,7 @@ impl Model {
         match standard % STANDARD {
             inertial if inertial < PARAMETERS => UNITS[inertial],
             ROTOR => Unit::Inertia,
-            VISCOUS => ViscousFriction.parameters()[0].unit,
-            _ => CoulombFriction.parameters()[0].unit,
+            friction => laws_of_drive()[friction - VISCOUS].parameters()[0].unit,
         }
     }
 
@@ -254,7 +253,8 @@ fn standard_names(bodies: usize) -> Vec<String> {
         .flat_map(|joint| {
             SYMBOLS
                 .into_iter()
-                .chain(["Ia", ViscousFriction.parameters()[0].symbol, CoulombFriction.parameters()[0].symbol])
+                .chain(["Ia"])
+                .chain(laws_of_drive().map(|law| law.parameters()[0].symbol))
                 .map(move |symbol| format!("{symbol}{joint}"))
         })
         .collect()
@@ -399,8 +399,7 @@ mod tests {
         for joint in 0..robot.dof() {
             let standard = [joint * STANDARD + PARAMETERS + 1, joint * STANDARD + PARAMETERS + 2];
             let table = standard_columns(&chain, joint, &standard, [&motion; 2], 0.05);
-            for (column, effect) in [&ViscousFriction as &'static dyn Effect, &CoulombFriction].into_iter().enumerate()
-            {
+            for (column, effect) in laws_of_drive().into_iter().enumerate() {
                 let law = contribution(&[Placed { effect, joint, parameters: vec![1.0] }], &along);
                 assert_eq!(table.channel(column), law.channel(joint));
             }

@@ -5,7 +5,7 @@ use super::verdict::Verdict;
 use crate::diagnosis::Options;
 use crate::diagnosis::criteria::{Criteria, Gate, Judgement};
 use crate::diagnosis::evidence::{Play, Traces, family_wise};
-use crate::diagnosis::model::{Candidate, Family, Member, PreparedLogs, Session, columns, is_candidate};
+use crate::diagnosis::model::{Candidate, DataSet, Family, Member, PreparedLogs, Session, columns, is_candidate};
 use crate::diagnosis::regression::fisher;
 use crate::effects::{self, Effect, Nature, Placed};
 use crate::error::Result;
@@ -91,9 +91,9 @@ pub(super) fn rattling_gears(session: &Session, options: &Options) -> Result<Imp
     // Between the impacts the link lies on one side or the other, which looks like an encoder that is not true.
     let known_from = session.blocks(&[]).known.start;
     let mut logs = session.logs.clone();
+    let steady = |data: &DataSet| -> Result<_> { Ok(columns(&session.model.arm, &data.rows, &placed)?.concat()) };
+    logs.insert(known_from, &[steady(&session.logs.train)?, steady(&session.logs.test)?]);
     for (data, traces) in [(&mut logs.train, &train), (&mut logs.test, &test)] {
-        let steady = columns(&session.model.arm, &data.rows, &placed)?.concat();
-        data.baseline.splice(known_from..known_from, steady);
         joints.iter().for_each(|&joint| traces.leave_out(joint, &mut data.rows));
     }
     Ok(Impacts { found, rejected, open_play, logs: Some(logs) })

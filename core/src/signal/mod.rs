@@ -20,18 +20,21 @@ mod window;
 pub use bandwidth::{Bandwidth, bandwidth};
 pub use decimate::{block_means, downsample};
 pub(crate) use difference::changes;
-pub use difference::{first_derivative, second_derivative, smooth_derivatives};
+pub(crate) use difference::smooth_derivatives;
+pub use difference::{first_derivative, second_derivative};
 pub use filter::Filter;
 pub(crate) use hat::hat;
 pub(crate) use lag::first_order_lag;
 pub use low_pass::ZeroPhaseLowPass;
-pub use moving::{NoiseGains, Slow, moves_enough};
+pub(crate) use moving::moves_enough;
+pub use moving::{NoiseGains, Slow};
 pub use noise::{noise_floor, white_noise};
 pub(crate) use quantile::size_quantile;
 pub(crate) use quantum::{change_sizes, quantum};
 pub use savitzky_golay::{Edge, SavitzkyGolay};
 pub use spectrum::amplitude_density;
-pub use window::{half_gain_hz, window_by_noise};
+pub(crate) use window::half_gain_hz;
+pub use window::window_by_noise;
 
 use crate::error::{Error, Result};
 

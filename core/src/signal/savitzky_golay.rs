@@ -194,7 +194,7 @@ impl SavitzkyGolay {
     ///
     /// # Errors
     /// As [`SavitzkyGolay::apply`]; when `step` is zero.
-    pub fn apply_every(&self, input: &[f64], step: usize) -> Result<Vec<f64>> {
+    pub(crate) fn apply_every(&self, input: &[f64], step: usize) -> Result<Vec<f64>> {
         if step <= 1 {
             let mut output = vec![0.0; input.len()];
             self.apply(input, &mut output)?;
@@ -279,7 +279,7 @@ impl SavitzkyGolay {
 
     /// The response at `hz` as (real, imaginary): a sinusoid of that frequency comes out multiplied by it. Real for
     /// even derivatives and imaginary for odd ones; compare with (j 2 pi hz)^derivative for the ideal.
-    pub fn frequency_response(&self, hz: f64) -> (f64, f64) {
+    pub(crate) fn frequency_response(&self, hz: f64) -> (f64, f64) {
         let step = TAU * hz * self.sample_period_s;
         let after_centre = self.weights.iter().enumerate().skip(1);
         if self.is_odd() {

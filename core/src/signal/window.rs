@@ -85,7 +85,7 @@ pub fn window_by_noise(signals: &[&[f64]], order: usize, longest: usize) -> Resu
 
 /// Frequency, Hz, up to which a smoother (derivative 0) passes more than half of an amplitude, for signals sampled at `rate_hz`: the
 /// cut-off of the [`super::ZeroPhaseLowPass`] that it is like. Half the rate where it passes as much of everything.
-pub fn half_gain_hz(smoother: &SavitzkyGolay, rate_hz: f64) -> f64 {
+pub(crate) fn half_gain_hz(smoother: &SavitzkyGolay, rate_hz: f64) -> f64 {
     /// Steps up to half the rate, of which the first crossing is halved until it is exact to rounding.
     const STEPS: usize = 4000;
     const HALVINGS: usize = 60;

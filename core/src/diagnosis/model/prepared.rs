@@ -22,14 +22,14 @@ pub struct PreparedLogs {
 
 impl PreparedLogs {
     /// Inserts columns into the baselines of the training and of the held-out logs, the first at a place.
-    pub fn insert(&mut self, place: usize, columns: &[Vec<Column>; 2]) {
+    pub(crate) fn insert(&mut self, place: usize, columns: &[Vec<Column>; 2]) {
         for (data, columns) in [&mut self.train, &mut self.test].into_iter().zip(columns) {
             data.baseline.splice(place..place, columns.iter().cloned());
         }
     }
 
     /// The same with all logs to identify from.
-    pub fn pooled(&self) -> Self {
+    pub(crate) fn pooled(&self) -> Self {
         PreparedLogs {
             train: self.train.and(&self.test),
             test: self.test.clone(),

@@ -23,7 +23,7 @@ const ROUNDING: f64 = 1e-6;
 
 /// Changes of the bodies that gravity as described does not show, with their places in the baseline.
 #[derive(Debug, Default)]
-pub struct Unseen {
+pub(crate) struct Unseen {
     /// Changes of the standard parameters, one for each column.
     changes: Vec<Vec<f64>>,
     /// Place of the first column.
@@ -34,17 +34,17 @@ pub struct Unseen {
 
 impl Unseen {
     /// Whether there are none.
-    pub fn is_empty(&self) -> bool {
+    pub(crate) fn is_empty(&self) -> bool {
         self.changes.is_empty()
     }
 
     /// Adds the columns to the baselines of the logs.
-    pub fn free_in(&self, logs: &mut PreparedLogs) {
+    pub(crate) fn free_in(&self, logs: &mut PreparedLogs) {
         logs.insert(self.first, &self.columns);
     }
 
     /// The standard parameters' change with these values of the baseline.
-    pub fn change(&self, baseline: &[f64]) -> Vec<f64> {
+    pub(crate) fn change(&self, baseline: &[f64]) -> Vec<f64> {
         let mut sum = vec![0.0; self.changes.first().map_or(0, Vec::len)];
         for (change, value) in self.changes.iter().zip(&baseline[self.first..]) {
             sum.iter_mut().zip(change).for_each(|(sum, part)| *sum += value * part);
@@ -55,7 +55,7 @@ impl Unseen {
 
 impl Session<'_> {
     /// What the `members` make felt of the bodies by turning gravity.
-    pub fn unseen(&self, members: &[Member]) -> Unseen {
+    pub(crate) fn unseen(&self, members: &[Member]) -> Unseen {
         let arm = &self.model.arm;
         let turned = turned_gravity(arm, members);
         let described = arm.described().gravity;

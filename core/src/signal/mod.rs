@@ -4,7 +4,6 @@ mod bandwidth;
 pub(crate) mod decimate;
 pub(crate) mod difference;
 pub(crate) mod filter;
-mod gram;
 mod hat;
 mod lag;
 pub(crate) mod low_pass;
@@ -12,10 +11,8 @@ mod moving;
 pub(crate) mod noise;
 mod quantile;
 mod quantum;
-pub(crate) mod savitzky_golay;
-mod sliding;
+mod savitzky_golay;
 pub(crate) mod spectrum;
-mod window;
 
 pub use bandwidth::{Bandwidth, bandwidth};
 pub use decimate::{block_means, downsample};
@@ -31,10 +28,9 @@ pub use moving::{NoiseGains, Slow};
 pub use noise::{noise_floor, white_noise};
 pub(crate) use quantile::size_quantile;
 pub(crate) use quantum::{change_sizes, quantum};
-pub use savitzky_golay::{Edge, SavitzkyGolay};
+pub(crate) use savitzky_golay::half_gain_hz;
+pub use savitzky_golay::{Edge, SavitzkyGolay, window_by_noise};
 pub use spectrum::amplitude_density;
-pub(crate) use window::half_gain_hz;
-pub use window::window_by_noise;
 
 use crate::error::{Error, Result};
 

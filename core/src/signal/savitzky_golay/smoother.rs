@@ -1,10 +1,10 @@
 //! Savitzky-Golay filter: least-squares polynomial over a sliding window, for the smoothed signal or one derivative.
 
-use super::check_same_length;
 use super::gram::Gram;
 use super::sliding;
 use crate::error::{Error, Result};
 use crate::lane::Lanes;
+use crate::signal::{check_same_length, downsample};
 use std::f64::consts::TAU;
 
 const SUBJECT: &str = "Savitzky-Golay filter";
@@ -198,7 +198,7 @@ impl SavitzkyGolay {
         if step <= 1 {
             let mut output = vec![0.0; input.len()];
             self.apply(input, &mut output)?;
-            return super::downsample(&output, step);
+            return downsample(&output, step);
         }
         self.check(input, input)?;
         let mut output = vec![0.0; input.len().div_ceil(step)];
@@ -207,7 +207,7 @@ impl SavitzkyGolay {
     }
 
     /// Outputs `first`, `first + step`, ..., one per place of `output`.
-    pub(super) fn rows(&self, input: &[f64], first: usize, step: usize, output: &mut [f64]) {
+    pub(in crate::signal) fn rows(&self, input: &[f64], first: usize, step: usize, output: &mut [f64]) {
         let (n, rows) = (input.len(), output.len());
         // The rows whose windows lie inside.
         let begin = self.half.saturating_sub(first).div_ceil(step).min(rows);

@@ -16,7 +16,8 @@ use crate::effects::Placed;
 use crate::error::Result;
 use crate::identification::effect_model::Arm;
 
-/// Mean square of a joint's whitened residual from which it counts as misfit, and rounds of growing the noise to it.
+/// Mean square of a joint's whitened residual up to which the noise is as large as the residual, and rounds of scaling it up to that: the
+/// iteration ends there. From where a joint is misfit is decided by [`crate::diagnosis::Levels::misfit`].
 const MISFIT: f64 = 1.2;
 const MISFIT_ROUNDS: usize = 2;
 

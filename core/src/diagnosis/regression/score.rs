@@ -9,10 +9,11 @@ use statrs::function::gamma::ln_gamma;
 /// Share of a direction's squared norm that must be orthogonal to the baseline for the direction to be testable.
 const TESTABLE: f64 = 1e-5;
 
-/// The same for a direction to count as mostly left.
+/// The same for a direction to count as mostly left. It chooses regressors of slow noise, not findings.
 const MOSTLY_LEFT: f64 = 0.3;
 
-/// Share of a factor's direction that must be testable for the factor to count as determined.
+/// Share of a factor's direction that must be testable for the factor to count as determined: of the others the standard deviation is
+/// infinite. It is an identifiability of the regression, like its rank.
 const DETERMINED: f64 = 0.5;
 
 /// Share of its norm that a basis column must keep beyond those before it.

@@ -41,9 +41,10 @@ pub(crate) struct Arguments {
 }
 
 const EXAMPLE: &str = "\
-Example: tauscope payload empty.csv gripper.csv --robot arm.urdf --expect 0.9
+Exit codes: 0 done, 1 the load differs from the expected one or cannot confirm it, 2 bad input or usage.
 
-Exit codes: 0 done, 1 the load differs from the expected one or cannot confirm it, 2 bad input or usage.";
+Example:
+  tauscope payload empty.csv gripper.csv --robot arm.urdf --expect 0.9";
 
 /// One side of the change.
 struct Side {

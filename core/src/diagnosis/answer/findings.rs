@@ -10,11 +10,11 @@ use crate::effects::{self, Placed, Role, Scope};
 use crate::robot::Robot;
 use serde::Serialize;
 
-/// What is said where the inertias of the description are wrong as a whole.
+/// Explanation of the finding that the inertias of the description are wrong as a whole.
 const ALL_INERTIAS: &str = "The inertias of the robot description are wrong on several links: no single effect explains the \
                             logs, and re-identified base parameters do. extended.urdf holds them.";
 
-/// What is said of a finding whose amplitudes the logs leave open.
+/// Note on a finding whose amplitudes the logs leave open.
 pub const NOT_SIZED: &str =
     "the logs show that it is there, and not how its parameters share it: none differs significantly from zero";
 

@@ -55,7 +55,7 @@ enum Command {
     Simulate(simulate::Arguments),
     /// Search for an excitation motion inside all limits; ctrl-C keeps the best so far.
     Excite(excite::Arguments),
-    /// Find from logs the effects that the model of an arm lacks: which, on which joint, of what size.
+    /// Find what the model of an arm lacks, from logs: effect, joint, size.
     Diagnose(diagnose::Arguments),
     /// Find the load that was added to an arm between logs: mass, centre, inertia.
     Payload(payload::Arguments),

@@ -1,5 +1,6 @@
 //! What `tauscope` uses and no user should, by room.
 
+pub use crate::linear::root_mean_square;
 pub use crate::output::{json, pretty, significant};
 
 pub mod design {

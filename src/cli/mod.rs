@@ -17,7 +17,7 @@ use std::process::ExitCode;
 use std::sync::Arc;
 use tracing_subscriber::EnvFilter;
 
-/// Says what the dynamic model of a robot arm misses, by how much, and what to do about it.
+/// Finds what the dynamic model of a robot arm lacks, by how much, and what to do about it.
 #[derive(Debug, Parser)]
 #[command(name = "tauscope", version, about, long_about = LONG_ABOUT, after_help = EXAMPLE, max_term_width = 120)]
 struct Cli {
@@ -55,7 +55,7 @@ enum Command {
     Simulate(simulate::Arguments),
     /// Search for an excitation motion inside all limits; ctrl-C keeps the best so far.
     Excite(excite::Arguments),
-    /// Say from logs what the model of an arm misses: effect, joint, size.
+    /// Find what the model of an arm lacks, from logs: effect, joint, size.
     Diagnose(diagnose::Arguments),
     /// Find the load that was added to an arm between logs: mass, centre, inertia.
     Payload(payload::Arguments),

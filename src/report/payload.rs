@@ -52,10 +52,10 @@ pub(crate) fn text(payload: &Payload) -> String {
 pub(crate) fn weighed(payload: &Payload) -> Vec<String> {
     let number = |quantity: &Option<Quantity>| quantity.as_ref().map_or("not determined".to_owned(), both);
     let load = match &payload.mass_kg {
-        None => "Load weighed by itself: these logs do not determine its mass; `tauscope payload` says what they do."
+        None => "Load weighed by itself: these logs do not determine its mass; `tauscope payload` reports what they do determine."
             .to_owned(),
         Some(mass) => format!(
-            "Load weighed by itself, as a body that can exist (`tauscope payload` says more): mass {} kg, centre ({}) m in the frame of the \
+            "Load weighed by itself, as a body that can exist (more by `tauscope payload`): mass {} kg, centre ({}) m in the frame of the \
              {}, {}.",
             both(mass),
             payload.center_m.each_ref().map(number).join(", "),

@@ -12,7 +12,7 @@ use std::path::Path;
 /// robot leaves a hundredth of simulated torques, and about a tenth of real ones.
 const MUCH: f64 = 0.3;
 
-/// A log that is shorter, s, of which half of the joints turn round fewer times, has too few independent parts: what is wrong with it may
+/// A log that is shorter, s, of which half of the joints reverse fewer times, has too few independent parts: what is wrong with it may
 /// not show, as friction and gravity are not told apart by it. So long are those that show it.
 const SHORT_S: f64 = 10.0;
 const FEW_REVERSALS: usize = 4;
@@ -254,7 +254,7 @@ fn text(path: &Path, robot: Option<&Robot>, report: &Report, own: &[&Finding]) -
     text
 }
 
-/// What is said where nothing wrong is found.
+/// The sentence where nothing wrong is found.
 fn nothing_wrong(report: &Report, is_known: bool) -> String {
     if let Some(short) = too_short(report) {
         return short;
@@ -272,7 +272,7 @@ fn nothing_wrong(report: &Report, is_known: bool) -> String {
     }
 }
 
-/// What is said of a log that ends before its torques repeat themselves: none of its faults would be certain.
+/// The sentence about a log that ends before its torques repeat themselves: none of its faults would be certain.
 fn too_short(report: &Report) -> Option<String> {
     let mut reversals: Vec<usize> = report.joints.iter().map(|joint| joint.reversals).collect();
     reversals.sort_unstable();
@@ -284,8 +284,8 @@ fn too_short(report: &Report) -> Option<String> {
     };
     (report.duration_s < SHORT_S && median < FEW_REVERSALS).then(|| {
         format!(
-            "Nothing wrong shows in it, but {:.1} s in which joints turn round {times} times are too short to tell: log {LONG_S} s or more in \
-             which each turns round {} times or more.",
+            "Nothing wrong shows in it, but {:.1} s in which joints reverse {times} times are too short to decide: log {LONG_S} s or more in \
+             which each reverses {} times or more.",
             report.duration_s,
             2 * FEW_REVERSALS
         )

@@ -156,6 +156,7 @@ fn help_of_every_command() {
         "simulate",
         "excite",
         "diagnose",
+        "payload",
         "blind",
         "montecarlo",
         "check",

@@ -92,6 +92,9 @@ fn more_noise_takes_a_longer_window_and_the_same_low_pass() {
         json
     };
     let (little, much) = (scores("1.5e-5"), scores("3e-4"));
+    let case = Case::new(&[("smoothing_window = 61\n", "")]);
+    let printed = text(&case.tauscope(&["run", "s.toml"]).stdout);
+    assert!(printed.contains("(window chosen by the noise of the positions)"), "{printed}");
     let smoothing = |json: &serde_json::Value, variant: usize, name: &str| {
         assert_eq!(json["variants"][variant]["signals"], name);
         assert_eq!(json["variants"][variant]["smoothing"]["kind"], name);

@@ -144,7 +144,7 @@ pub fn hadamard(information: &Information) -> f64 {
 }
 
 /// Standard deviation of every parameter over its size.
-pub fn relative_deviations(information: &Information, sizes: &[f64]) -> Vec<f64> {
+pub(crate) fn relative_deviations(information: &Information, sizes: &[f64]) -> Vec<f64> {
     information.standard_deviations().iter().zip(sizes).map(|(deviation, size)| deviation / size).collect()
 }
 

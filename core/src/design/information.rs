@@ -82,13 +82,13 @@ impl Information {
     }
 
     /// Sum of ln G_ii: the logarithm of the squared product of the column lengths.
-    pub fn log_diagonal(&self) -> f64 {
+    pub(crate) fn log_diagonal(&self) -> f64 {
         self.matrix.diagonal().iter().map(|d| d.ln()).sum()
     }
 
     /// Spectrum of G scaled to a unit diagonal: the squared singular values of the weighted regressor with columns of unit
     /// length. A column of zeros counts as an eigenvalue of zero.
-    pub fn normalised_spectrum(&self) -> Spectrum {
+    pub(crate) fn normalised_spectrum(&self) -> Spectrum {
         let scale = self.matrix.diagonal().map(|d| if d > 0.0 { 1.0 / d.sqrt() } else { 0.0 });
         let unit =
             DMatrix::from_fn(self.parameters(), self.parameters(), |r, c| self.matrix[(r, c)] * scale[r] * scale[c]);
@@ -118,7 +118,7 @@ impl Information {
 
     /// Root mean square over the rows of `other` of the standard deviation of predicted torque, in sigma, when the
     /// parameters come from these rows: sqrt(trace(G^-1 G_other) / rows).
-    pub fn prediction_error(&self, other: &Information) -> f64 {
+    pub(crate) fn prediction_error(&self, other: &Information) -> f64 {
         self.factor().map_or(f64::INFINITY, |factor| (factor.solve(&other.matrix).trace() / other.rows).sqrt())
     }
 

@@ -138,7 +138,7 @@ impl BaseParameters {
     ///
     /// # Panics
     /// If there is not one name per column.
-    pub fn taken_in(observation: &DMatrix<f64>, names: &[String], order: &[usize]) -> Self {
+    pub(crate) fn taken_in(observation: &DMatrix<f64>, names: &[String], order: &[usize]) -> Self {
         let ordered: Vec<String> = order.iter().map(|&column| names[column].clone()).collect();
         let found = Self::new(&observation.select_columns(order), &ordered);
         let mut rows: Vec<usize> = (0..found.len()).collect();

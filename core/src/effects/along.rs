@@ -47,7 +47,7 @@ impl<'a> Along<'a> {
     }
 
     /// [`Along::new`] with a rounding for each joint.
-    pub fn turning_over(
+    pub(crate) fn turning_over(
         robot: &'a Robot,
         chain: &'a Chain,
         time: &'a [f64],

@@ -41,6 +41,21 @@ pub static LIBRARY: &[&dyn Effect] = &[
     &ViscousFriction,
 ];
 
+/// The law of gears that have play, which impacts show.
+pub(crate) fn play() -> &'static dyn Effect {
+    &Backlash
+}
+
+/// The law that moves all torques in time.
+pub(crate) fn delay() -> &'static dyn Effect {
+    &TimeDelay
+}
+
+/// The law of a link's inertia, which stands for the inertias of a description as a whole where all are wrong.
+pub(crate) fn wrong_inertia() -> &'static dyn Effect {
+    &LinkInertiaError
+}
+
 /// Least similarity (Jaro-Winkler) of a name that is suggested in place of another.
 const SIMILAR: f64 = 0.75;
 

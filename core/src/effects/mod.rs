@@ -44,7 +44,9 @@ pub use along::{Along, Contribution, contribution, contributions, direction};
 pub(crate) use bodies::seen_from_parent;
 pub use bodies::{BaseTilt, ExternalContact, GravityBalancer, JointSpring, LinkInertiaError, Payload, RotorInertia};
 pub use catalogue::{LIBRARY, did_you_mean, find};
+pub(crate) use catalogue::{delay, play, wrong_inertia};
 pub(crate) use encoder::behind_encoder;
+pub(crate) use friction::laws_of_drive;
 pub use friction::{
     CoulombFriction, FrictionAsymmetry, FrictionWarmUp, LoadDependentFriction, NonlinearViscousFriction,
     PositionDependentFriction, PreslidingHysteresis, StribeckFriction, ViscousFriction, drive_friction,

@@ -77,8 +77,8 @@ pub(crate) fn inner_product(a: &[f64], b: &[f64]) -> f64 {
 }
 
 /// Root mean square; zero of nothing.
-pub(crate) fn root_mean_square(values: &[f64]) -> f64 {
-    (values.iter().map(|x| x * x).sum::<f64>() / values.len().max(1) as f64).sqrt()
+pub fn root_mean_square(values: &[f64]) -> f64 {
+    (values.iter().fold(0.0, |sum, x| sum + x * x) / values.len().max(1) as f64).sqrt()
 }
 
 /// Root of the sum of the squares.

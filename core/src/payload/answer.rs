@@ -8,7 +8,7 @@ use serde::Serialize;
 pub const PAYLOAD_SCHEMA: &str = "tauscope.payload/1";
 
 /// What the numbers are as exact as.
-pub const SCALED_BY: &str = "as exact as the torque constants: 1 % of gain is 1 % of mass";
+pub(crate) const SCALED_BY: &str = "as exact as the torque constants: 1 % of gain is 1 % of mass";
 
 /// A number with its standard error.
 ///

@@ -27,9 +27,7 @@ mod rows;
 mod shares;
 mod sums;
 
-pub use answer::{
-    Changed, Comparison, Estimator, JointShare, Other, PAYLOAD_SCHEMA, Payload, Quantity, SCALED_BY, Verdict,
-};
+pub use answer::{Changed, Comparison, Estimator, JointShare, Other, PAYLOAD_SCHEMA, Payload, Quantity, Verdict};
 pub use builder::PayloadBuilder;
 pub use controllers::Controllers;
 pub use equations::Change;

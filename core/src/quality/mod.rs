@@ -27,7 +27,7 @@ pub use finding::{Finding, Kind, Severity, with_logs};
 pub use motion::{Constant, JointSummary, OtherUnit};
 pub use report::{Report, Together};
 pub use unit_changes::{OtherRate, UnitChanges};
-pub use units::examine_in_own_units;
+pub(crate) use units::examine_in_own_units;
 
 #[cfg(test)]
 mod every_kind;

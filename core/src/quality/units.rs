@@ -128,7 +128,7 @@ impl UnitChanges {
 ///
 /// # Errors
 /// Those of [`examine_together`].
-pub fn examine_in_own_units(logs: &mut [&mut Sieved], robot: &Robot) -> Result<(Together, UnitChanges)> {
+pub(crate) fn examine_in_own_units(logs: &mut [&mut Sieved], robot: &Robot) -> Result<(Together, UnitChanges)> {
     let as_given: Vec<&Sieved> = logs.iter().map(|log| &**log).collect();
     let first = examine_together(&as_given, Some(robot))?;
     let units = UnitChanges::shared(&first.reports);

@@ -106,7 +106,7 @@ pub(super) fn find(path: &Path) -> Option<Arc<Table>> {
 }
 
 /// Whether a path names a log in memory.
-pub fn is_held(path: &Path) -> bool {
+pub(crate) fn is_held(path: &Path) -> bool {
     find(path).is_some()
 }
 

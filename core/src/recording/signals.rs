@@ -145,7 +145,7 @@ impl Recording {
     }
 
     /// Whether the joints are called by number alone: `joint_1` and so on.
-    pub fn is_numbered(&self) -> bool {
+    pub(crate) fn is_numbered(&self) -> bool {
         self.joints.iter().enumerate().all(|(joint, name)| *name == format!("joint_{}", joint + 1))
     }
 

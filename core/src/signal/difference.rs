@@ -62,7 +62,12 @@ const SECOND_OF_ITSELF: f64 = -205.0 / 72.0;
 ///
 /// # Errors
 /// When the lengths differ, there are fewer than 4 samples, or the sample period is not a positive number.
-pub fn smooth_derivatives(input: &[f64], sample_period_s: f64, first: &mut [f64], second: &mut [f64]) -> Result<()> {
+pub(crate) fn smooth_derivatives(
+    input: &[f64],
+    sample_period_s: f64,
+    first: &mut [f64],
+    second: &mut [f64],
+) -> Result<()> {
     first_derivative(input, sample_period_s, first)?;
     second_derivative(input, sample_period_s, second)?;
     let scale = 1.0 / sample_period_s;

@@ -88,7 +88,7 @@ impl Filter {
     ///
     /// # Errors
     /// As [`Filter::apply`]; when `step` is zero.
-    pub fn apply_every(&self, input: &[f64], step: usize) -> Result<Vec<f64>> {
+    pub(crate) fn apply_every(&self, input: &[f64], step: usize) -> Result<Vec<f64>> {
         match self {
             Filter::None => downsample(input, step),
             Filter::SavitzkyGolay(filter) => {
@@ -107,7 +107,7 @@ impl Filter {
     ///
     /// # Errors
     /// As [`Filter::apply`].
-    pub fn noise_gain(&self, samples: usize) -> Result<f64> {
+    pub(crate) fn noise_gain(&self, samples: usize) -> Result<f64> {
         let mut impulse = vec![0.0; samples.min(MOST_RESPONSE)];
         if let Some(middle) = impulse.len().checked_sub(1) {
             impulse[middle / 2] = 1.0;

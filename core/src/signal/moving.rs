@@ -166,7 +166,7 @@ impl Slow {
 
 /// Whether a joint with this range (rad or m) and highest speed moves enough for its friction and inertia to show: over a wide range at
 /// any speed, over a small one at a speed that no held joint has.
-pub fn moves_enough(range: f64, speed: f64, slides: bool) -> bool {
+pub(crate) fn moves_enough(range: f64, speed: f64, slides: bool) -> bool {
     let least = if slides { LEAST_SLIDE } else { LEAST_MOTION };
     range >= least[0] && (speed >= least[1] || range >= WIDE * least[0])
 }

@@ -29,21 +29,22 @@ pub(crate) struct Arguments {
     #[command(flatten)]
     arm: ArmArguments,
     /// Link that carries the load and in whose frame it is given. Default: the flange, the link at the end of the arm.
-    #[arg(long, value_name = "LINK")]
+    #[arg(long, value_name = "LINK", help_heading = "Load")]
     at: Option<String>,
     /// Load that is expected: a mass in kg, or a TOML file with mass_kg and, where wanted, tolerance_kg, center_m,
     /// tolerance_m. Exit code 1 if the load found differs. Default tolerance: two standard errors and 5 % of the mass.
-    #[arg(long, value_name = "MASS|TOML", allow_hyphen_values = true)]
+    #[arg(long, value_name = "MASS|TOML", allow_hyphen_values = true, help_heading = "Load")]
     expect: Option<String>,
     /// By how much the mass may differ from the expected one, kg.
-    #[arg(long, value_name = "KG", requires = "expect")]
+    #[arg(long, value_name = "KG", requires = "expect", help_heading = "Load")]
     tolerance: Option<f64>,
 }
 
 const EXAMPLE: &str = "\
-Example: tauscope payload empty.csv gripper.csv --robot arm.urdf --expect 0.9
+Exit codes: 0 done, 1 the load differs from the expected one or cannot confirm it, 2 bad input or usage.
 
-Exit codes: 0 done, 1 the load differs from the expected one or cannot confirm it, 2 bad input or usage.";
+Example:
+  tauscope payload empty.csv gripper.csv --robot arm.urdf --expect 0.9";
 
 /// One side of the change.
 struct Side {

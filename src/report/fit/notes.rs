@@ -4,6 +4,7 @@ use super::place_of;
 use crate::dynamics::BaseParameters;
 use crate::identification::consistent::Consistent;
 use crate::identification::fit::{Agreement, BetweenLogs, Constant, Fitted};
+use crate::internal::root_mean_square;
 use crate::recording::Recording;
 use crate::report::console::significant;
 use crate::robot::{Joint, Robot, Unit};
@@ -146,8 +147,7 @@ pub fn not_of_bodies(robot: &Robot, fitted: &Fitted, consistent: &Consistent) ->
 pub fn unlike_described(robot: &Robot, fitted: &Fitted, train: &[&Recording]) -> Option<String> {
     let torque = |joint: usize| {
         let measured = train.iter().flat_map(|log| log.tau.channel(joint)).filter(|torque| torque.is_finite());
-        let (squares, count) = measured.fold((0.0, 0), |(sum, count), torque| (sum + torque * torque, count + 1));
-        (squares / f64::from(count.max(1))).sqrt()
+        root_mean_square(&measured.copied().collect::<Vec<f64>>())
     };
     let each: Vec<String> = (0..robot.dof())
         .map(|joint| (&robot.joints[joint], fitted.train_rms[joint], torque(joint)))

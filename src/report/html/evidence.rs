@@ -1,6 +1,7 @@
 //! What residuals look like: over time, over velocity and position, and in frequency, joint by joint.
 
 use super::{Block, Section};
+use crate::internal::root_mean_square;
 use crate::report::console::significant;
 use crate::report::svg::Color;
 use crate::report::svg::chart::{Chart, Mark, Trace};
@@ -218,9 +219,7 @@ fn spectrum(joint: &Joint, contenders: &[Contender], row_s: f64) -> Chart {
 
 /// Root mean square of the finite values.
 pub(super) fn rms(values: &[f64]) -> f64 {
-    let finite = values.iter().filter(|value| value.is_finite());
-    let (sum, count) = finite.fold((0.0, 0usize), |(sum, count), value| (sum + value * value, count + 1));
-    (sum / count.max(1) as f64).sqrt()
+    root_mean_square(&values.iter().copied().filter(|value| value.is_finite()).collect::<Vec<f64>>())
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! Figures 4 to 7: position, velocity, acceleration and torque of every joint; reference, disturbed, smoothed.
 
 use crate::channels::Channels;
+use crate::internal::root_mean_square;
 use crate::paper::PaperStudy;
 use crate::report::console::significant;
 use crate::report::svg::{Color, Curve, Figure, Panel, Series};
@@ -107,8 +108,7 @@ fn panels<'a>(
 }
 
 fn rms_difference(a: &[f64], b: &[f64]) -> f64 {
-    let sum: f64 = a.iter().zip(b).map(|(x, y)| (x - y).powi(2)).sum();
-    (sum / a.len().max(1) as f64).sqrt()
+    root_mean_square(&a.iter().zip(b).map(|(x, y)| x - y).collect::<Vec<f64>>())
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 use super::diagnosis::{self, Diagnosis, Errors, LogSummary, OfSampling, Scope, next_experiment, withdraw};
 use super::extended::ExtendedModel;
-use super::inertias::{Gain, all_inertias};
+use super::inertias::{self, Free, Gain, all_inertias};
 use super::not_found::not_found;
 use super::outcome::{Conclusion, Measured};
 use super::quantities::{Evidence, Residuals, derived, residual_structure};
@@ -10,6 +10,7 @@ use super::resimulation::{Replay, joints_of};
 use super::searched::{Searched, found_that_matter};
 use crate::channels::Channels;
 use crate::diagnosis::Options;
+use crate::diagnosis::criteria::Judgement;
 use crate::diagnosis::lack_of_fit::{above_noise, disagreement, mapped, not_separated};
 use crate::diagnosis::logs::{Input, split};
 use crate::diagnosis::model::{DataSet, Known, Member, Session};
@@ -90,12 +91,17 @@ pub(super) fn conclude<'a>(
     let map = residual_map(&session, options)?;
     watch.tell(Progress::Map(map.clone()));
     let mut searched = Searched::new(&mut session, options, watch)?;
-    let mut inertias = None;
+    let (mut inertias, mut rejected_inertias) = (None, None);
     if options.trust == Trust::Nominal && input.reference.is_empty() {
         let free = Known { arm: Arm::new(robot, Trust::Structure), ..known };
-        if let Some(free) = all_inertias(&session, &searched, free, train, test, options, watch)? {
-            (session, searched) = (free.session, free.searched);
-            inertias = Some(free.gain);
+        match all_inertias(&session, &searched, free, train, test, options, watch)? {
+            inertias::Outcome::Accepted(free) => {
+                let gain;
+                Free { session, searched, gain } = *free;
+                inertias = Some(gain);
+            }
+            inertias::Outcome::Refused(failed) => rejected_inertias = Some(failed),
+            inertias::Outcome::NotAsked => {}
         }
     }
     let present = input.present.clone();
@@ -103,6 +109,7 @@ pub(super) fn conclude<'a>(
         simulation,
         before,
         inertias,
+        rejected_inertias,
         held_out_from_training: held_out,
         present,
         map,
@@ -191,6 +198,8 @@ struct Circumstances {
     before: Vec<Found>,
     /// What re-identified inertias gain where those trusted are wrong as a whole.
     inertias: Option<Gain>,
+    /// The gate at which it was refused that they are.
+    rejected_inertias: Option<Judgement>,
     /// Whether parts of the training logs were held out.
     held_out_from_training: bool,
     /// Effects that the simulation has already.
@@ -207,8 +216,16 @@ fn answer<'a>(
     circumstances: Circumstances,
     options: &Options,
 ) -> Result<Concluded<'a>> {
-    let Circumstances { simulation, before, inertias, held_out_from_training, present, map, unfinished } =
-        circumstances;
+    let Circumstances {
+        simulation,
+        before,
+        inertias,
+        rejected_inertias,
+        held_out_from_training,
+        present,
+        map,
+        unfinished,
+    } = circumstances;
     let Searched { selection, minor, mut unexplained } = searched;
     let Selection {
         mut found,
@@ -325,6 +342,7 @@ fn answer<'a>(
         derived,
         of_sampling,
         inertias,
+        rejected_inertias,
         minor,
         rejected,
         unexplained,

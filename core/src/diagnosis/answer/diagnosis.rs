@@ -187,6 +187,8 @@ pub struct Diagnosis {
     pub rejected: Vec<Rejected>,
     /// What re-identified inertias gain, where those of the description were trusted and are wrong as a whole.
     pub inertias: Option<Gain>,
+    /// The gate at which it was refused that they are wrong as a whole, where that was asked.
+    pub rejected_inertias: Option<Judgement>,
     /// What the residual of the baseline follows in all logs, whether or not a law of the library explains it.
     pub map: ResidualMap,
     /// The load that was added since the reference logs, weighed by itself, where one was found.

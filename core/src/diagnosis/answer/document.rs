@@ -1,6 +1,7 @@
 //! The content of `diagnosis.json`.
 
-use super::findings::{Finding, NamedParameter, finding, findings, joints};
+use super::diagnosis::Diagnosis;
+use super::findings::{Finding, NamedParameter, finding, findings, joints, law_of_inertias};
 use super::notices;
 use super::outcome::{Answer, Conclusion};
 use super::quantities::{ResidualStructure, Share};
@@ -111,6 +112,17 @@ impl RejectedCandidate {
     fn new(robot: &Robot, Rejected { slot: (family, log), failed }: &Rejected) -> Self {
         let (joints, log) = (joints(robot, *family), log.map(|log| log + 1));
         RejectedCandidate { effect: family.effect, joints, log, failed: *failed }
+    }
+
+    /// Those of the search, and wrong inertias as a whole where that was refused.
+    fn all(robot: &Robot, diagnosis: &Diagnosis) -> Vec<Self> {
+        let inertias = diagnosis.rejected_inertias.map(|failed| RejectedCandidate {
+            effect: law_of_inertias(),
+            joints: robot.joint_names(),
+            log: None,
+            failed,
+        });
+        diagnosis.rejected.iter().map(|one| RejectedCandidate::new(robot, one)).chain(inertias).collect()
     }
 }
 
@@ -338,7 +350,7 @@ impl Document {
                 .iter()
                 .map(|minor| SmallerFinding::new(robot, minor, &diagnosis.scope.criteria.levels))
                 .collect(),
-            rejected: diagnosis.rejected.iter().map(|one| RejectedCandidate::new(robot, one)).collect(),
+            rejected: RejectedCandidate::all(robot, diagnosis),
             criteria: diagnosis.scope.criteria,
             residual_map: diagnosis.map.joints.iter().map(|map| MapOfJoint::new(robot, map)).collect(),
             extended: Some(Extended {

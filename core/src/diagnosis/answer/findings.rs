@@ -6,15 +6,15 @@ use super::quantities::Derived;
 use crate::diagnosis::criteria::{Judgement, Levels};
 use crate::diagnosis::model::Family;
 use crate::diagnosis::search::{Found, Verdict};
-use crate::effects::{self, Effect, LinkInertiaError, Placed, Role, Scope};
+use crate::effects::{self, Placed, Role, Scope};
 use crate::robot::Robot;
 use serde::Serialize;
 
-/// What is said where the inertias of the description are wrong as a whole.
+/// Explanation of the finding that the inertias of the description are wrong as a whole.
 const ALL_INERTIAS: &str = "The inertias of the robot description are wrong on several links: no single effect explains the \
                             logs, and re-identified base parameters do. extended.urdf holds them.";
 
-/// What is said of a finding whose amplitudes the logs leave open.
+/// Note on a finding whose amplitudes the logs leave open.
 pub const NOT_SIZED: &str =
     "the logs show that it is there, and not how its parameters share it: none differs significantly from zero";
 
@@ -121,6 +121,11 @@ pub struct NamedParameter {
     pub unit: &'static str,
 }
 
+/// The law that stands for the inertias of the description as a whole.
+pub(super) fn law_of_inertias() -> &'static str {
+    effects::wrong_inertia().about().name
+}
+
 /// All findings, wrong inertias as a whole first.
 pub fn findings(robot: &Robot, diagnosis: &Diagnosis) -> Vec<Finding> {
     let inertias = diagnosis.inertias.iter().map(|gain| all_inertias(robot, gain));
@@ -133,7 +138,7 @@ pub fn findings(robot: &Robot, diagnosis: &Diagnosis) -> Vec<Finding> {
 fn all_inertias(robot: &Robot, gain: &Gain) -> Finding {
     let [before, after] = gain.rms.clone();
     Finding {
-        effect: LinkInertiaError.about().name,
+        effect: law_of_inertias(),
         joints: robot.joint_names(),
         verdict: Verdict::Named,
         alternatives: Vec::new(),

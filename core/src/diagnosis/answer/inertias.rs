@@ -6,6 +6,7 @@
 
 use super::searched::Searched;
 use crate::diagnosis::Options;
+use crate::diagnosis::criteria::{Gate, Judgement};
 use crate::diagnosis::evidence::Gains;
 use crate::diagnosis::lack_of_fit::Unexplained;
 use crate::diagnosis::model::{Known, Session};
@@ -47,8 +48,19 @@ pub(super) struct Free<'a> {
     pub gain: Gain,
 }
 
-/// The search with all inertias free, if those of the description are what is wrong: what was found with them trusted, and what that
-/// left unexplained, decides whether it is made.
+/// What came of the search with all inertias free.
+#[derive(Debug)]
+pub(super) enum Outcome<'a> {
+    /// It was not made, or was ended before it was done.
+    NotAsked,
+    /// The inertias of the description are not what is wrong.
+    Refused(Judgement),
+    /// They are.
+    Accepted(Box<Free<'a>>),
+}
+
+/// The search with all inertias free, which shows whether those of the description are what is wrong: what was found with them trusted,
+/// and what that left unexplained, decides whether it is made.
 ///
 /// # Errors
 /// If a log is too short to differentiate.
@@ -60,14 +72,14 @@ pub(super) fn all_inertias<'a>(
     test: &[&Recording],
     options: &Options,
     watch: &mut Watch,
-) -> Result<Option<Free<'a>>> {
+) -> Result<Outcome<'a>> {
     let criteria = &options.criteria.verdict;
     let is_body = |found: &&Found| found.member.placed.effect.about().site == Site::Body;
     let Searched { selection, unexplained: left, .. } = trusting;
     let bodies = selection.found.iter().filter(is_body).count();
     let left = certain(left);
     if (bodies <= criteria.wrong_bodies && left < criteria.wrong_bodies) || watch.is_over() {
-        return Ok(None);
+        return Ok(Outcome::NotAsked);
     }
     let mut session = Session::knowing(trusted.model.base, Trust::Structure, known, train, test, options.criteria)?;
     let searched = Searched::new(&mut session, options, watch)?;
@@ -75,10 +87,13 @@ pub(super) fn all_inertias<'a>(
     let left_free = certain(&searched.unexplained);
     // Half a search is no comparison.
     if watch.is_over() {
-        return Ok(None);
+        return Ok(Outcome::NotAsked);
     }
-    if left_free > left || (left_free == left && free.found.len() >= selection.found.len()) {
-        return Ok(None);
+    let fewer = Judgement::below(Gate::InertiasFindings, free.found.len() as f64, selection.found.len() as f64);
+    let simpler =
+        [Judgement::at_most(Gate::InertiasUnexplained, left_free as f64, left as f64), fewer.or(left_free < left)];
+    if let Some(failed) = Judgement::first_failed(simpler) {
+        return Ok(Outcome::Refused(failed));
     }
     // Both are compared on rows valid for both, in the noise of the better one.
     let mut rows = session.logs.test.rows.clone();
@@ -91,7 +106,11 @@ pub(super) fn all_inertias<'a>(
         Gains::new(&free.whitener.on(&rows), before, after, &joints, rows.len()).lower_bound(&options.criteria.levels);
     let rms = [rms(&rows.valid, before), rms(&rows.valid, after)];
     let gain = Gain { lower_bound, rms };
-    Ok((lower_bound > options.criteria.search.share_of_misfit).then_some(Free { session, searched, gain }))
+    let gains = Judgement::above(Gate::HeldOutGain, lower_bound, options.criteria.search.share_of_misfit);
+    Ok(match gains.passed {
+        true => Outcome::Accepted(Box::new(Free { session, searched, gain })),
+        false => Outcome::Refused(gains),
+    })
 }
 
 /// Number of joints with unexplained structure that is certain.

@@ -25,7 +25,7 @@ pub fn remedy(faults: &[DataFault]) -> String {
     }
 }
 
-/// What is said of the logs above the answer.
+/// Notices on the logs, above the answer.
 pub fn shown(robot: &Robot, diagnosis: &Diagnosis) -> Vec<String> {
     let all = [
         unfinished(diagnosis),
@@ -37,7 +37,7 @@ pub fn shown(robot: &Robot, diagnosis: &Diagnosis) -> Vec<String> {
     all.into_iter().flatten().collect()
 }
 
-/// What is said of logs that follow the motions of the reference logs.
+/// Notice on logs that follow the motions of the reference logs.
 pub(crate) fn equal_states(diagnosis: &Diagnosis) -> Option<String> {
     diagnosis.scope.equal_states.map(|share| {
         format!(
@@ -48,7 +48,7 @@ pub(crate) fn equal_states(diagnosis: &Diagnosis) -> Option<String> {
     })
 }
 
-/// What is said of a search that was ended before it was done.
+/// Notice on a search that was ended before it was done.
 pub(crate) fn unfinished(diagnosis: &Diagnosis) -> Option<String> {
     diagnosis.unfinished.then(|| {
         "the search was ended before it was done: effects may be missing, and other names for those found; give it more time with --budget, or \
@@ -57,7 +57,7 @@ pub(crate) fn unfinished(diagnosis: &Diagnosis) -> Option<String> {
     })
 }
 
-/// What is said of logs of several rates.
+/// Notice on logs of several rates.
 pub(crate) fn mixed_rates(diagnosis: &Diagnosis) -> Option<String> {
     let each: Vec<String> = diagnosis.logs.rates_hz.iter().map(|hz| format!("{hz:.0}")).collect();
     (each.len() > 1).then(|| {
@@ -69,7 +69,7 @@ pub(crate) fn mixed_rates(diagnosis: &Diagnosis) -> Option<String> {
     })
 }
 
-/// What is said of delays and lags that are of the sampling.
+/// Notice on delays and lags that are of the sampling.
 pub(crate) fn sampling(robot: &Robot, diagnosis: &Diagnosis) -> Option<String> {
     let each = diagnosis.of_sampling.iter().map(|short| {
         let [time, std] = short.seconds.map(|seconds| significant(1e3 * seconds));
@@ -85,7 +85,7 @@ pub(crate) fn sampling(robot: &Robot, diagnosis: &Diagnosis) -> Option<String> {
     })
 }
 
-/// What is said of friction that does not change its direction at once.
+/// Notice on friction that does not change its direction at once.
 pub(crate) fn smooth_friction(robot: &Robot, diagnosis: &Diagnosis) -> Option<String> {
     let rounding = &diagnosis.logs.coulomb_rounding;
     let each = robot.joints.iter().zip(rounding).filter(|(_, own)| own.width() > 0.0);
@@ -98,7 +98,7 @@ pub(crate) fn smooth_friction(robot: &Robot, diagnosis: &Diagnosis) -> Option<St
     let mut forms: Vec<&str> = each.iter().map(|(formula, _)| *formula).collect();
     forms.sort_unstable();
     forms.dedup();
-    // The form is said with each joint where there are several.
+    // The form is given with each joint where there are several.
     let each: Vec<String> = each
         .into_iter()
         .map(|(formula, joint)| if forms.len() > 1 { format!("{joint} ({formula})") } else { joint })
@@ -113,7 +113,7 @@ pub(crate) fn smooth_friction(robot: &Robot, diagnosis: &Diagnosis) -> Option<St
     })
 }
 
-/// What is said where the training logs leave the model more open on the held-out logs than the noise.
+/// Notice where the training logs leave the model more open on the held-out logs than the noise.
 pub(crate) fn extrapolation(robot: &Robot, diagnosis: &Diagnosis) -> Option<String> {
     let each = diagnosis.errors.prediction_std.iter().zip(&diagnosis.errors.noise_floor).zip(&robot.joints);
     let open = each.filter(|((std, noise), _)| std > noise).map(|((std, noise), joint)| match std.is_finite() {

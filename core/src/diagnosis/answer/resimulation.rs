@@ -20,7 +20,8 @@ use rayon::prelude::*;
 /// Time after the start until the loop has settled, s.
 const SETTLING_S: f64 = 0.5;
 
-/// Factor on the residual of the fitted model up to which that of its simulation is one of the same model.
+/// Factor on the residual of the fitted model up to which that of its simulation is one of the same model. Beyond it there is no
+/// resimulation; findings and verdict are those of the logs.
 const STRAYS: f64 = 5.0;
 
 /// Runs an arm along a motion that was measured. `EngineKind` of the crate `tauscope` is one.

@@ -64,18 +64,26 @@ pub enum Gate {
     ImpactsAgain,
     /// They are so among moments only in which the loads of gears change as much: p-value.
     ImpactsAlike,
+    /// The play of a gear can be estimated: number of impacts whose time is determined.
+    ImpactsTimed,
     /// A delay or a lag is more than sampling makes: its time over half a sample.
     Sampling,
     /// Structure that no law explains is significant: family-wise p-value.
     Structure,
     /// The held-out logs show it too: p-value.
     StructureAgain,
+    /// The same spectral line is in other logs: distance of the nearest one, Hz.
+    SameLine,
     /// They gain by it: lower bound (84 %) of the share of the residual that it explains.
     StructureGain,
     /// It is large enough: share of the joint's residual, in squares.
     StructureShare,
     /// A residual stands clear of what was expected: over that.
     AboveExpected,
+    /// With all inertias estimated no more joints have unexplained structure that is certain than with those of the URDF: their number.
+    InertiasUnexplained,
+    /// With all inertias estimated fewer effects are found, where as many joints have such structure: their number.
+    InertiasFindings,
 }
 
 impl Gate {
@@ -105,12 +113,16 @@ impl Gate {
             Gate::Predicts => "fits the training logs and not the held-out logs",
             Gate::Impacts | Gate::ImpactsAlike => "shows in impacts no more than chance does",
             Gate::ImpactsAgain => "does not show in impacts of the held-out logs",
+            Gate::ImpactsTimed => "has no impact whose time is determined",
             Gate::Sampling => "is less than half a sample and less than the noise, as sampling makes it",
             Gate::Structure => "is not significant",
             Gate::StructureAgain => "does not show in the held-out logs",
+            Gate::SameLine => "is no spectral line of the other logs",
             Gate::StructureGain => "does not predict the held-out logs",
             Gate::StructureShare => "is too small a share of the residual",
             Gate::AboveExpected => "is not clear of what was expected",
+            Gate::InertiasUnexplained => "leaves structure on more joints than the inertias of the description",
+            Gate::InertiasFindings => "needs as many effects as the inertias of the description",
         }
     }
 }

@@ -68,7 +68,7 @@ impl Default for Levels {
 
 impl Levels {
     /// Standard deviations from zero at which a parameter is significant: two-sided at the usual level.
-    pub fn significant_std(&self) -> f64 {
+    pub(crate) fn significant_std(&self) -> f64 {
         Normal::standard().inverse_cdf(1.0 - 0.5 * self.usual_p)
     }
 }

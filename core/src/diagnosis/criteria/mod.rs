@@ -1,7 +1,8 @@
 //! Thresholds that decide what is reported, each with its reason, and the judgement of a gate.
 //!
 //! In: the name of a gate, a number and its threshold. Out: whether it passes, and by how much. Bounds of a law's parameters, and the
-//! places where a statistic is taken, belong to the law and the statistic: they are no thresholds.
+//! places where a statistic is taken, belong to the law and the statistic: they are no thresholds. So do the fewest blocks from which a
+//! statistic exists, the shares from which a direction of a regressor is determined, and steps at which an estimate counts as converged.
 
 mod comparison;
 mod document;

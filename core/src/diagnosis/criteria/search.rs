@@ -41,8 +41,8 @@ pub struct SearchCriteria {
     /// Factor by which the level of a second attempt at held-out logs is below that of the only one. The first has the rest of the level,
     /// so that a second one is possible and the first hardly pays for it.
     pub second_attempt: f64,
-    /// Candidates that may be refused one after the other before the search ends; and in the search over all logs, which adds to that over
-    /// the training logs.
+    /// Candidates that may be refused one after the other before the search ends; and in a search that adds to that over the training logs:
+    /// over all logs, and for events that the noise model holds.
     pub refusals: [usize; 2],
 }
 

@@ -33,7 +33,7 @@ pub struct StructureCriteria {
 
 impl StructureCriteria {
     /// Least share of the square of a joint's residual that structure must have to be reported.
-    pub fn share_of_residual(&self) -> f64 {
+    pub(crate) fn share_of_residual(&self) -> f64 {
         self.clear * self.clear
     }
 }

@@ -80,7 +80,7 @@ impl Criteria {
 
     /// Largest gap of the information criterion up to which a rival with more parameters stays an alternative: twice the logarithm of the
     /// odds.
-    pub fn criterion_gap(&self) -> f64 {
+    pub(crate) fn criterion_gap(&self) -> f64 {
         2.0 * self.levels.log_odds
     }
 }

@@ -18,7 +18,7 @@ impl Session<'_> {
     ///
     /// # Errors
     /// If a log is too short to differentiate.
-    pub fn lost_inside_bounds(&self, judged: &Judged, whitener: &Whitener, fit: &Projection) -> Result<f64> {
+    pub(crate) fn lost_inside_bounds(&self, judged: &Judged, whitener: &Whitener, fit: &Projection) -> Result<f64> {
         let Candidate { placed, log, columns } = &judged.candidate;
         let at_bounds = shapes(placed.effect).into_iter();
         let inside: Vec<Placed> = at_bounds.filter_map(|index| moved_inside(placed, index)).collect();

@@ -16,7 +16,7 @@ const SECANTS: usize = 3;
 
 /// A candidate with its test in some whitening.
 #[derive(Debug, Clone)]
-pub struct Judged {
+pub(crate) struct Judged {
     /// The candidate.
     pub candidate: Candidate,
     /// Its columns, whitened.
@@ -27,13 +27,13 @@ pub struct Judged {
 
 impl Judged {
     /// The candidate as part of the model.
-    pub fn member(&self) -> Member {
+    pub(crate) fn member(&self) -> Member {
         Member::new(&self.candidate, &self.test.values)
     }
 
     /// Logarithm of the probability by chance, by which shapes and forms of one family compare; that of a form that is not the usual one
     /// must be lower by `log_odds`.
-    pub fn likeliness(&self, log_odds: f64) -> f64 {
+    pub(crate) fn likeliness(&self, log_odds: f64) -> f64 {
         let placed = &self.candidate.placed;
         let unusual =
             |(parameter, value): (&Parameter, &f64)| parameter.role == Role::Held && *value != parameter.typical;
@@ -44,7 +44,7 @@ impl Judged {
 
 impl Session<'_> {
     /// Tests a candidate; None where it is not separable from what the fit has, or its estimate makes no sense.
-    pub fn judge(&self, candidate: &Candidate, whitener: &Whitener, fit: &Projection) -> Option<Judged> {
+    pub(crate) fn judge(&self, candidate: &Candidate, whitener: &Whitener, fit: &Projection) -> Option<Judged> {
         let mut candidate = candidate.clone();
         let mut whitened = whitener.apply_all(&candidate.columns);
         let effect = candidate.placed.effect;
@@ -158,7 +158,7 @@ impl Session<'_> {
     ///
     /// # Errors
     /// If a log is too short to differentiate.
-    pub fn refined(&self, start: Judged, whitener: &Whitener, fit: &Projection) -> Result<Judged> {
+    pub(crate) fn refined(&self, start: Judged, whitener: &Whitener, fit: &Projection) -> Result<Judged> {
         let (placed, log) = (start.candidate.placed.clone(), start.candidate.log);
         let mut best = self.refined_in_form(start, whitener, fit)?;
         for index in 0..placed.effect.parameters().len() {

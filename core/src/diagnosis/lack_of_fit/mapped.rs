@@ -40,8 +40,15 @@ pub(crate) fn mapped(
     }
     let apart = apart()?;
     let largest = |(own, shown): (&JointMap, Vec<Shown>)| {
-        let again = |shown: &Shown| apart.iter().all(|map| shown.follows.is_seen_again(map, own.joint, criteria));
-        let largest = shown.into_iter().filter(again).max_by(|a, b| a.share.total_cmp(&b.share))?;
+        let again = |shown: Shown| {
+            let again = apart.iter().filter_map(|map| shown.follows.again(map, own.joint, criteria));
+            let passed: Vec<Judgement> = shown.passed.into_iter().chain(again).collect();
+            let failed = Judgement::first_failed(passed.iter().copied());
+            tracing::debug!(joint = own.joint, follows = shown.follows.meaning(), ?failed, "structure in all logs");
+            failed.is_none().then_some((shown, passed))
+        };
+        let again = shown.into_iter().filter_map(again);
+        let (largest, passed) = again.max_by(|(a, _), (b, _)| a.share.total_cmp(&b.share))?;
         Some(Unexplained {
             joint: own.joint,
             share: largest.share,
@@ -49,7 +56,7 @@ pub(crate) fn mapped(
             family_wise_p: Some(largest.family_wise_p),
             certain: false,
             instead_of: Vec::new(),
-            passed: largest.passed.to_vec(),
+            passed,
         })
     };
     Ok(shown.into_iter().filter_map(largest).collect())
@@ -81,13 +88,19 @@ impl Follows {
         }
     }
 
-    /// Whether a map of other logs does not contradict it: it is significant there, or the logs are too short to be asked.
-    fn is_seen_again(self, map: &ResidualMap, joint: usize, criteria: &Criteria) -> bool {
-        let Some(own) = map.joints.iter().find(|own| own.joint == joint) else { return false };
+    /// Whether a map of other logs shows it too: the p-value of a kind, the distance to the nearest line. None where the logs are too
+    /// short to be asked.
+    fn again(self, map: &ResidualMap, joint: usize, criteria: &Criteria) -> Option<Judgement> {
+        let own = map.joints.iter().find(|own| own.joint == joint);
         match self {
-            Follows::Kind(kind) => own.p(kind).is_none_or(|p| p < criteria.levels.usual_p),
+            Follows::Kind(kind) => {
+                let p = own.map_or(Some(1.0), |own| own.p(kind))?;
+                Some(Judgement::below(Gate::StructureAgain, p, criteria.levels.usual_p))
+            }
             Follows::Line(line) => {
-                own.lines.iter().any(|other| (other.hz - line.hz).abs() <= criteria.structure.same_line_hz)
+                let lines = own.into_iter().flat_map(|own| &own.lines);
+                let distance = lines.map(|other| (other.hz - line.hz).abs()).fold(f64::INFINITY, f64::min);
+                Some(Judgement::at_most(Gate::SameLine, distance, criteria.structure.same_line_hz))
             }
         }
     }
@@ -165,7 +178,9 @@ mod tests {
             mapped(map, &[15.0], &[], &criteria, 0.05, || Ok(apart.into())).unwrap()
         };
         let slow = map(0.6, 0.001, None);
-        assert_eq!(reported(&slow, [map(0.6, 0.049, None), map(0.1, 0.049, None)]).len(), 1);
+        let [left] = &reported(&slow, [map(0.6, 0.049, None), map(0.1, 0.049, None)])[..] else { panic!() };
+        let again = [Judgement::below(Gate::StructureAgain, 0.049, criteria.levels.usual_p); 2];
+        assert_eq!(left.passed[2..], again);
         assert!(reported(&slow, [map(0.6, 0.051, None), slow.clone()]).is_empty());
         assert!(reported(&slow, [slow.clone(), map(0.6, 0.051, None)]).is_empty());
         // Logs that are too short for the test do not contradict it.

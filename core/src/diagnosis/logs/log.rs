@@ -95,7 +95,7 @@ impl Log {
     ///
     /// # Errors
     /// If there are too few samples to differentiate.
-    pub fn motion_of(q: Channels, period: f64) -> Result<Motion> {
+    pub(crate) fn motion_of(q: Channels, period: f64) -> Result<Motion> {
         let mut motion = Motion { qd: q.clone(), qdd: q.clone(), q };
         for joint in 0..motion.joints() {
             let Motion { q, qd, qdd } = &mut motion;
@@ -108,7 +108,7 @@ impl Log {
     ///
     /// # Errors
     /// If there are too few samples to differentiate.
-    pub fn smoothed_again(&self) -> Result<Motion> {
+    pub(crate) fn smoothed_again(&self) -> Result<Motion> {
         let mut q = self.motion.q.clone();
         for (joint, low_pass) in self.low_pass.iter().enumerate() {
             low_pass.apply_in_place(q.channel_mut(joint))?;
@@ -159,7 +159,7 @@ impl Log {
 
     /// Means over the blocks of a part of the torque, as it would have been logged: through the low-pass that the torque went
     /// through.
-    pub fn as_logged(&self, torque: &[f64]) -> Vec<f64> {
+    pub(crate) fn as_logged(&self, torque: &[f64]) -> Vec<f64> {
         let Some(passed) = &self.passed else { return self.blocks(torque) };
         let mut logged = vec![0.0; torque.len()];
         match passed.apply(torque, &mut logged) {

@@ -17,7 +17,7 @@ impl LowPass {
     ///
     /// # Errors
     /// If the cut-off is not below half the rate.
-    pub fn at_rate(&self, rate_hz: f64) -> Result<ZeroPhaseLowPass> {
+    pub(crate) fn at_rate(&self, rate_hz: f64) -> Result<ZeroPhaseLowPass> {
         ZeroPhaseLowPass::new(self.order, self.hz, rate_hz)
     }
 }

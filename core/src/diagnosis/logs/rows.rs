@@ -87,7 +87,7 @@ impl Rows {
     ///
     /// # Errors
     /// If a log is too short, or a joint hardly moves; named.
-    pub fn logged_through(
+    pub(crate) fn logged_through(
         through: Option<LowPass>,
         recordings: &[&Recording],
         (cutoffs_hz, whole_hz): (&[f64], f64),
@@ -178,7 +178,7 @@ impl Rows {
     }
 
     /// Share of white noise, as means over blocks, that the low-pass lets through that torque went through; one without any.
-    pub fn share_as_logged(&self) -> f64 {
+    pub(crate) fn share_as_logged(&self) -> f64 {
         let Some((log, passed)) = self.logs.iter().find_map(|log| Some((log, log.passed.as_ref()?))) else {
             return 1.0;
         };
@@ -195,12 +195,12 @@ impl Rows {
     }
 
     /// Whether the question is what changed.
-    pub fn of_change(&self) -> bool {
+    pub(crate) fn of_change(&self) -> bool {
         self.before > 0 || self.equal_states.is_some()
     }
 
     /// The logs from the first to the last of a range alone, as if none were from before the change.
-    pub fn of_logs(&self, logs: Range<usize>) -> Rows {
+    pub(crate) fn of_logs(&self, logs: Range<usize>) -> Rows {
         let rows = self.starts[logs.start]..self.starts[logs.end];
         Rows {
             logs: self.logs[logs.clone()].to_vec(),
@@ -222,7 +222,7 @@ impl Rows {
     }
 
     /// First row from after the change in question.
-    pub fn changed_from(&self) -> usize {
+    pub(crate) fn changed_from(&self) -> usize {
         self.starts[self.before]
     }
 
@@ -239,14 +239,14 @@ impl Rows {
     }
 
     /// A signal over the rows with zeros before the change.
-    pub fn since_change(&self, mut signal: Vec<f64>) -> Vec<f64> {
+    pub(crate) fn since_change(&self, mut signal: Vec<f64>) -> Vec<f64> {
         signal[..self.changed_from()].fill(0.0);
         signal
     }
 
     /// Leaves out the rows of a joint in which its error exceeds what is bearable on it, but no more than a share of those that
     /// count: then the largest.
-    pub fn leave_out_largest(&mut self, errors: &[Column], bearable: &[f64], most: f64) {
+    pub(crate) fn leave_out_largest(&mut self, errors: &[Column], bearable: &[f64], most: f64) {
         for (joint, (valid, bearable)) in self.valid.iter_mut().zip(bearable).enumerate() {
             let Some(error) = errors.iter().find_map(|error| error.part(joint)) else { continue };
             let mut sizes: Vec<f64> = error.iter().zip(&*valid).filter(|(_, ok)| **ok).map(|(e, _)| e.abs()).collect();
@@ -259,7 +259,7 @@ impl Rows {
     }
 
     /// Leaves out the rows of all joints that hold samples `from..to` of a log.
-    pub fn leave_out_samples(&mut self, log: usize, from: usize, to: usize) {
+    pub(crate) fn leave_out_samples(&mut self, log: usize, from: usize, to: usize) {
         let (start, end, block) = (self.starts[log], self.starts[log + 1], self.logs[log].block);
         let near = (start + from / block).min(end)..(start + to.div_ceil(block)).min(end);
         self.valid.iter_mut().for_each(|valid| valid[near.clone()].fill(false));

@@ -21,7 +21,7 @@ const BATCH: usize = 24;
 /// Which torque is moved in time by a law that shifts or spreads it. The noise of the accelerations is in the moved torque and in the
 /// residual alike: their correlation looks like a shift.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Moved {
+pub(crate) enum Moved {
     /// To test for a shift: along accelerations that stand clear of the noise, which omits some of the motion.
     Tested,
     /// In a model: the same on joints that [`Log::noisy`] has, along all of the motion on the others.
@@ -64,13 +64,13 @@ impl Arm {
     }
 
     /// Columns of Coulomb friction whose sign is rounded otherwise, each with its place in the baseline.
-    pub fn dry_columns(&self, model: &Model, rows: &Rows, rounding: &[Rounding]) -> Vec<(usize, Column)> {
+    pub(crate) fn dry_columns(&self, model: &Model, rows: &Rows, rounding: &[Rounding]) -> Vec<(usize, Column)> {
         let dry = self.base(model).enumerate().filter(|&(_, b)| is_dry(model, b));
         dry.map(|(place, b)| (place, dry_column(model, b, rows, rounding))).collect()
     }
 
     /// Torque that is known before anything is fitted: that of the bodies where their inertias are taken from the URDF.
-    pub fn described_torque(&self, rows: &Rows) -> Column {
+    pub(crate) fn described_torque(&self, rows: &Rows) -> Column {
         match self.trust() {
             Trust::Structure => Column::default(),
             Trust::Nominal => {
@@ -88,7 +88,7 @@ impl Arm {
     }
 
     /// Torque of the arm as found over the rows.
-    pub fn all_torque(&self, rows: &Rows) -> Column {
+    pub(crate) fn all_torque(&self, rows: &Rows) -> Column {
         all_over_rows(rows, &self.along(rows))
     }
 
@@ -140,7 +140,7 @@ impl Arm {
     ///
     /// # Errors
     /// If a log is too short to differentiate.
-    pub fn added_throughout(&self, placed: &[Placed], rows: &Rows) -> Result<Vec<Column>> {
+    pub(crate) fn added_throughout(&self, placed: &[Placed], rows: &Rows) -> Result<Vec<Column>> {
         self.added_in(0..rows.logs.len(), placed, rows, Moved::Modelled)
     }
 
@@ -148,7 +148,13 @@ impl Arm {
     ///
     /// # Errors
     /// If a log is too short to differentiate.
-    pub fn added_in(&self, acting: Range<usize>, placed: &[Placed], rows: &Rows, moved: Moved) -> Result<Vec<Column>> {
+    pub(crate) fn added_in(
+        &self,
+        acting: Range<usize>,
+        placed: &[Placed],
+        rows: &Rows,
+        moved: Moved,
+    ) -> Result<Vec<Column>> {
         // What laws may ask about a motion is worked out once for all batches, where there are such laws.
         let asked: Vec<Site> = law_sites(placed).collect();
         let sites = rows.logs.iter().enumerate().map(|(k, log)| {

@@ -47,7 +47,7 @@ impl ArmModel<'_> {
     }
 
     /// Places of the parameters with `members`, in the order of [`ArmModel::columns`].
-    pub fn blocks(&self, data: &DataSet, members: &[Member]) -> ParameterBlocks {
+    pub(crate) fn blocks(&self, data: &DataSet, members: &[Member]) -> ParameterBlocks {
         ParameterBlocks::new(data.baseline.len(), data.known, members)
     }
 

@@ -8,7 +8,7 @@ use std::ops::Range;
 /// [`ArmModel::columns`](super::ArmModel::columns): first the baseline (base parameters, or friction and rotors where bodies are
 /// taken from the URDF; positions of gears with play; parameters of known effects that are estimated again), then each effect.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct ParameterBlocks {
+pub(crate) struct ParameterBlocks {
     /// The baseline.
     pub baseline: Range<usize>,
     /// Parameters of known effects that are estimated again: the last ones of the baseline.
@@ -19,7 +19,7 @@ pub struct ParameterBlocks {
 
 /// Places of an effect's parameters; empty where they are held.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct MemberBlock {
+pub(crate) struct MemberBlock {
     /// Amplitudes and departures: the torque is linear in them.
     pub amplitudes: Range<usize>,
     /// Shapes, by derivatives of the torque to them.
@@ -28,7 +28,7 @@ pub struct MemberBlock {
 
 impl MemberBlock {
     /// All of them.
-    pub fn all(&self) -> Range<usize> {
+    pub(crate) fn all(&self) -> Range<usize> {
         self.amplitudes.start..self.shapes.end
     }
 }

@@ -27,7 +27,7 @@ pub struct DataSet {
     /// Whether it is the training set.
     pub training: bool,
     /// Columns of effects worked out so far.
-    pub effects: EffectColumns,
+    pub(crate) effects: EffectColumns,
 }
 
 impl DataSet {
@@ -50,7 +50,7 @@ impl DataSet {
     ///
     /// # Errors
     /// If a log is too short to differentiate.
-    pub fn columns(
+    pub(crate) fn columns(
         &self,
         arm: &Arm,
         log: Option<usize>,

@@ -20,7 +20,7 @@ const GROUPS: usize = 500;
 
 /// Columns by all that they depend on but the rows. A copy knows none yet: its rows may become others.
 #[derive(Debug)]
-pub struct EffectColumns(Cache<Key, Arc<Vec<Column>>, Values>);
+pub(crate) struct EffectColumns(Cache<Key, Arc<Vec<Column>>, Values>);
 
 /// Effect, joint, log, how torque is moved, and parameters and rounding of the sign of friction bit by bit.
 type Key = (&'static str, usize, Option<usize>, Moved, Vec<u64>);

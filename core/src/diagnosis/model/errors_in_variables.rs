@@ -16,7 +16,7 @@ const GAIN_SPREAD: f64 = 0.15;
 
 /// Columns of the errors of one data set, for the arm as found. None before anything was fitted.
 #[derive(Debug, Clone, Default)]
-pub struct ErrorsInVariables {
+pub(crate) struct ErrorsInVariables {
     /// The error of the smoothing, on each joint: what smoothing once more does, as seen through the first ("twicing", Tukey 1977).
     pub smoothing: Vec<Column>,
     /// What the positions hold above the cut-off, on each joint; none where they are smoothed no more than their noise requires.
@@ -34,7 +34,7 @@ pub struct ErrorsInVariables {
 
 /// Nuisance regressors, with the prior standard deviation of their factors about zero; infinite where nothing is known.
 #[derive(Debug, Clone, Default)]
-pub struct Nuisances {
+pub(crate) struct Nuisances {
     columns: Vec<Column>,
     spread: Vec<f64>,
 }
@@ -44,7 +44,7 @@ impl ErrorsInVariables {
     ///
     /// # Errors
     /// If a log is too short to differentiate.
-    pub fn new(arm: &Arm, rows: &Rows, loads: Column) -> Result<Self> {
+    pub(crate) fn new(arm: &Arm, rows: &Rows, loads: Column) -> Result<Self> {
         let along = arm.along(rows);
         let cutoffs_hz = rows.logs.iter().flat_map(|log| &log.low_pass).map(ZeroPhaseLowPass::cutoff_hz);
         let lowest_hz = cutoffs_hz.fold(f64::INFINITY, f64::min);
@@ -60,7 +60,7 @@ impl ErrorsInVariables {
     }
 
     /// All of them, their factors free.
-    pub fn all(&self) -> Nuisances {
+    pub(crate) fn all(&self) -> Nuisances {
         let mut all = Nuisances::default();
         [&self.smoothing, &self.beyond, &self.bend].into_iter().for_each(|columns| all.add(columns, f64::INFINITY));
         all
@@ -73,7 +73,7 @@ impl ErrorsInVariables {
     /// The smoothing errs about as much as smoothing once more does, and what is not smooth is at most all there, so that where these are
     /// small they take nothing of what is tested. For an effect that shifts torque in time their factors are free: its column holds the
     /// noise of the encoders itself.
-    pub fn of_effect(&self, placed: &Placed, rows: &Rows) -> Nuisances {
+    pub(crate) fn of_effect(&self, placed: &Placed, rows: &Rows) -> Nuisances {
         let mut nuisances = Nuisances::default();
         if is_level(placed.effect) {
             return nuisances;
@@ -97,29 +97,29 @@ impl ErrorsInVariables {
 
 impl Nuisances {
     /// Adds columns of one spread.
-    pub fn add(&mut self, columns: &[Column], spread: f64) {
+    pub(crate) fn add(&mut self, columns: &[Column], spread: f64) {
         self.columns.extend_from_slice(columns);
         self.spread.resize(self.columns.len(), spread);
     }
 
     /// The columns alone.
-    pub fn columns(&self) -> &[Column] {
+    pub(crate) fn columns(&self) -> &[Column] {
         &self.columns
     }
 
     /// Their prior standard deviations.
-    pub fn spread(&self) -> &[f64] {
+    pub(crate) fn spread(&self) -> &[f64] {
         &self.spread
     }
 
     /// The same on some joints only.
-    pub fn only(&self, joints: &[usize]) -> Self {
+    pub(crate) fn only(&self, joints: &[usize]) -> Self {
         let columns = self.columns.iter().map(|column| column.only(joints));
         Nuisances { columns: columns.collect(), spread: self.spread.clone() }
     }
 
     /// A fit in the units of `whitener`, adjusted for these.
-    pub fn adjust(&self, fit: &Projection, whitener: &Whitener) -> Projection {
+    pub(crate) fn adjust(&self, fit: &Projection, whitener: &Whitener) -> Projection {
         fit.with_prior(&whitener.apply_all(&self.columns), &self.spread)
     }
 }

@@ -33,7 +33,7 @@ impl Known<'_> {
     }
 
     /// The same with an arm whose friction changes its direction over some speed on each joint, rad/s or m/s.
-    pub fn with_coulomb_rounding(&self, rounding: Vec<Rounding>) -> Self {
+    pub(crate) fn with_coulomb_rounding(&self, rounding: Vec<Rounding>) -> Self {
         Known { arm: self.arm.clone().with_coulomb_rounding(rounding), ..self.clone() }
     }
 

@@ -27,7 +27,7 @@ pub struct Member {
 
 impl Member {
     /// Index of the parameter of each of its columns: its linear parameters, then the derivatives to its shapes.
-    pub fn places(&self) -> impl Iterator<Item = usize> + use<> {
+    pub(crate) fn places(&self) -> impl Iterator<Item = usize> + use<> {
         linear(self.placed.effect).into_iter().chain(shapes(self.placed.effect))
     }
 
@@ -40,7 +40,7 @@ impl Member {
     }
 
     /// Takes the columns of departures at the sizes as estimated: what a large one does is not a multiple of what a small one does.
-    pub fn take_departures_at_estimates(&mut self) {
+    pub(crate) fn take_departures_at_estimates(&mut self) {
         let effect = self.placed.effect;
         for (index, &estimate) in linear(effect).into_iter().zip(&self.factors) {
             let parameter = &effect.parameters()[index];
@@ -52,7 +52,7 @@ impl Member {
     }
 
     /// A candidate with the factors of its columns as part of the model.
-    pub fn new(candidate: &Candidate, factors: &[f64]) -> Self {
+    pub(crate) fn new(candidate: &Candidate, factors: &[f64]) -> Self {
         let placed = candidate.placed.clone();
         let absent = linear(placed.effect).into_iter().zip(candidate.columns.iter());
         Member {

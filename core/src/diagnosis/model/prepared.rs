@@ -2,6 +2,7 @@
 
 use super::data_set::DataSet;
 use crate::diagnosis::logs::LowPass;
+use crate::diagnosis::regression::Column;
 
 /// Logs that every model is fitted to and judged by. Their rows do not change after their preparation. The search adds columns to the baselines: those
 /// of gears whose impacts show play, and those of moments of the first body that only a tilted base shows.
@@ -20,8 +21,15 @@ pub struct PreparedLogs {
 }
 
 impl PreparedLogs {
+    /// Inserts columns into the baselines of the training and of the held-out logs, the first at a place.
+    pub(crate) fn insert(&mut self, place: usize, columns: &[Vec<Column>; 2]) {
+        for (data, columns) in [&mut self.train, &mut self.test].into_iter().zip(columns) {
+            data.baseline.splice(place..place, columns.iter().cloned());
+        }
+    }
+
     /// The same with all logs to identify from.
-    pub fn pooled(&self) -> Self {
+    pub(crate) fn pooled(&self) -> Self {
         PreparedLogs {
             train: self.train.and(&self.test),
             test: self.test.clone(),

@@ -16,7 +16,8 @@ use crate::effects::Placed;
 use crate::error::Result;
 use crate::identification::effect_model::Arm;
 
-/// Mean square of a joint's whitened residual from which it counts as misfit, and rounds of growing the noise to it.
+/// Mean square of a joint's whitened residual up to which the noise is as large as the residual, and rounds of scaling it up to that: the
+/// iteration ends there. From where a joint is misfit is decided by [`crate::diagnosis::Levels::misfit`].
 const MISFIT: f64 = 1.2;
 const MISFIT_ROUNDS: usize = 2;
 
@@ -37,7 +38,7 @@ pub struct Session<'a> {
 
 /// A fit of a model to the training logs, in units of the noise under that model.
 #[derive(Debug, Clone)]
-pub struct Fit {
+pub(crate) struct Fit {
     /// Makes the noise white.
     pub whitener: Whitener,
     /// Projection of the torque on the columns of the model, and the residual.
@@ -46,23 +47,23 @@ pub struct Fit {
 
 impl<'a> Session<'a> {
     /// A model that is not yet fitted to the logs.
-    pub fn unfitted(logs: PreparedLogs, model: ArmModel<'a>, criteria: Criteria) -> Self {
+    pub(crate) fn unfitted(logs: PreparedLogs, model: ArmModel<'a>, criteria: Criteria) -> Self {
         Session { logs, model, criteria, errors: Default::default(), noises: NoiseMemory::default() }
     }
 
     /// The same with all logs to identify from.
-    pub fn over_all_logs(&self) -> Session<'a> {
+    pub(crate) fn over_all_logs(&self) -> Session<'a> {
         Self::unfitted(self.logs.pooled(), self.model.clone(), self.criteria)
     }
 
     /// Errors in variables along a data set of this session.
-    pub fn errors(&self, data: &DataSet) -> &ErrorsInVariables {
+    pub(crate) fn errors(&self, data: &DataSet) -> &ErrorsInVariables {
         &self.errors[usize::from(!data.training)]
     }
 
     /// Nuisance regressors that a test of an effect is adjusted for: for one that shifts torque in time also the bands, since the noise
     /// in them is in the torque against the accelerations.
-    pub fn errors_with(&self, data: &DataSet, placed: &Placed) -> Nuisances {
+    pub(crate) fn errors_with(&self, data: &DataSet, placed: &Placed) -> Nuisances {
         let mut errors = self.errors(data).of_effect(placed, &data.rows);
         if is_shift(placed.effect) {
             errors.add(&data.bands, f64::INFINITY);
@@ -71,24 +72,24 @@ impl<'a> Session<'a> {
     }
 
     /// Places of the parameters of the model with `members`.
-    pub fn blocks(&self, members: &[Member]) -> ParameterBlocks {
+    pub(crate) fn blocks(&self, members: &[Member]) -> ParameterBlocks {
         self.model.blocks(&self.logs.train, members)
     }
 
     /// The noise under the columns of a model, each joint's scaled up to its residual where that is more: a joint
     /// that is understood badly must not lend its excess to what is tested on it, nor pull at parameters it shares.
-    pub fn noise_under(&self, present: &[Column]) -> Whitener {
+    pub(crate) fn noise_under(&self, present: &[Column]) -> Whitener {
         let DataSet { rows, torque, .. } = &self.logs.train;
         self.scaled(Whitener::remembered(&self.noises, rows, torque, present), present)
     }
 
     /// The same where more was added on one joint alone to what `whitener` is the noise under.
-    pub fn noise_with_more_on(&self, joint: usize, whitener: &Whitener, present: &[Column]) -> Whitener {
+    pub(crate) fn noise_with_more_on(&self, joint: usize, whitener: &Whitener, present: &[Column]) -> Whitener {
         self.scaled(whitener.anew_on(joint, &self.logs.train.rows, &self.logs.train.torque, present), present)
     }
 
     /// The columns of a model fitted to the training logs, in units of the noise under them.
-    pub fn fit_under(&self, present: &[Column]) -> Fit {
+    pub(crate) fn fit_under(&self, present: &[Column]) -> Fit {
         let whitener = self.noise_under(present);
         Fit { projection: whitener.fit(present, &self.logs.train.torque), whitener }
     }
@@ -114,7 +115,7 @@ impl<'a> Session<'a> {
     ///
     /// # Errors
     /// If a log is too short to differentiate.
-    pub fn solved(&self, members: &[Member], whitener: &Whitener) -> Result<Solved> {
+    pub(crate) fn solved(&self, members: &[Member], whitener: &Whitener) -> Result<Solved> {
         let columns = self.model.columns(&self.logs.train, members)?;
         Ok(solve(&whitener.apply_all(&columns), &whitener.apply(&self.logs.train.torque)))
     }
@@ -157,7 +158,7 @@ impl<'a> Session<'a> {
     ///
     /// # Errors
     /// If a log is too short to differentiate.
-    pub fn renew_errors(&mut self, members: &[Member]) -> Result<()> {
+    pub(crate) fn renew_errors(&mut self, members: &[Member]) -> Result<()> {
         let ArmModel { arm, .. } = &self.model;
         let along = |data: &DataSet| {
             let mut loads = Column::default();
@@ -174,7 +175,7 @@ impl<'a> Session<'a> {
     }
 
     /// The arm with the parameters of its baseline from a fit; differences from before a change leave it as it was then.
-    pub fn arm_with(&self, solved: &Solved) -> Arm {
+    pub(crate) fn arm_with(&self, solved: &Solved) -> Arm {
         let mut arm = self.model.arm.clone();
         if self.logs.train.rows.equal_states.is_none() {
             arm.take(self.model.base, &solved.values);
@@ -184,7 +185,7 @@ impl<'a> Session<'a> {
 
     /// Whether the last of `members` turns the sign of one found before that has one sign only: both then describe the same, and
     /// the former with a law that cannot be. `solved` is the fit of all of them.
-    pub fn turns_unphysical(&self, members: &[Member], solved: &Solved) -> bool {
+    pub(crate) fn turns_unphysical(&self, members: &[Member], solved: &Solved) -> bool {
         let earlier = &members[..members.len().saturating_sub(1)];
         let blocks = self.blocks(earlier).members;
         let turned = earlier.iter().zip(&blocks).filter(|(member, _)| !member.held).find(|(member, block)| {
@@ -198,7 +199,7 @@ impl<'a> Session<'a> {
     }
 
     /// How many amplitudes of `earlier` members the training rows determine in the fit `without` one more, and not in that `with` it.
-    pub fn undetermined_by_one_more(&self, earlier: &[Member], [without, with]: &[Solved; 2]) -> usize {
+    pub(crate) fn undetermined_by_one_more(&self, earlier: &[Member], [without, with]: &[Solved; 2]) -> usize {
         let places = self.blocks(earlier).members.into_iter().flat_map(|block| block.amplitudes);
         places.filter(|&place| without.std(place).is_finite() && with.std(place).is_infinite()).count()
     }
@@ -207,7 +208,7 @@ impl<'a> Session<'a> {
     ///
     /// # Errors
     /// If a log is too short to differentiate.
-    pub fn held_out_residual(&self, members: &[Member], whitener: &Whitener) -> Result<Column> {
+    pub(crate) fn held_out_residual(&self, members: &[Member], whitener: &Whitener) -> Result<Column> {
         self.residual_on(&self.logs.test, members, whitener)
     }
 
@@ -215,7 +216,7 @@ impl<'a> Session<'a> {
     ///
     /// # Errors
     /// If a log is too short to differentiate.
-    pub fn residual_on(&self, data: &DataSet, members: &[Member], whitener: &Whitener) -> Result<Column> {
+    pub(crate) fn residual_on(&self, data: &DataSet, members: &[Member], whitener: &Whitener) -> Result<Column> {
         self.residual_of(data, members, &self.solved(members, whitener)?)
     }
 
@@ -223,7 +224,7 @@ impl<'a> Session<'a> {
     ///
     /// # Errors
     /// If a log is too short to differentiate.
-    pub fn residual_of(&self, data: &DataSet, members: &[Member], solved: &Solved) -> Result<Column> {
+    pub(crate) fn residual_of(&self, data: &DataSet, members: &[Member], solved: &Solved) -> Result<Column> {
         Ok(data.residual(&self.model.columns(data, members)?, &solved.values))
     }
 
@@ -231,7 +232,7 @@ impl<'a> Session<'a> {
     ///
     /// # Errors
     /// If a log is too short to differentiate.
-    pub fn baseline_residual_on(&self, data: &DataSet, whitener: &Whitener) -> Result<Column> {
+    pub(crate) fn baseline_residual_on(&self, data: &DataSet, whitener: &Whitener) -> Result<Column> {
         match self.logs.train.rows.before {
             0 => self.residual_on(data, &[], whitener),
             _ => Ok(data.residual(&data.baseline, &self.baseline_before(whitener))),
@@ -239,7 +240,7 @@ impl<'a> Session<'a> {
     }
 
     /// Parameters of the baseline by the training logs from before the change alone.
-    pub fn baseline_before(&self, whitener: &Whitener) -> Vec<f64> {
+    pub(crate) fn baseline_before(&self, whitener: &Whitener) -> Vec<f64> {
         let DataSet { rows, baseline, torque, .. } = &self.logs.train;
         let mut before = rows.clone();
         before.valid.iter_mut().for_each(|valid| valid[rows.changed_from()..].fill(false));

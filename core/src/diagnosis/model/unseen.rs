@@ -6,13 +6,15 @@
 
 use super::arm_columns::all_over_rows;
 use super::member::Member;
+use super::prepared::PreparedLogs;
 use super::session::Session;
 use crate::channels::Channels;
 use crate::diagnosis::logs::Rows;
-use crate::diagnosis::regression::Column;
+use crate::diagnosis::regression::{Column, joints_of};
 use crate::dynamics::{Chain, Motion, inverse_dynamics};
 use crate::identification::effect_model::{Arm, Trust};
 use crate::identification::model::Model;
+use crate::linear::{OrthonormalBasis, length};
 use nalgebra::Vector3;
 
 /// Share of a column's size below which what others leave of it is rounding, and share of what a moment of 1 kg m weighs below which one
@@ -21,21 +23,28 @@ const ROUNDING: f64 = 1e-6;
 
 /// Changes of the bodies that gravity as described does not show, with their places in the baseline.
 #[derive(Debug, Default)]
-pub struct Unseen {
+pub(crate) struct Unseen {
     /// Changes of the standard parameters, one for each column.
     changes: Vec<Vec<f64>>,
     /// Place of the first column.
     first: usize,
+    /// Columns along the training and the held-out logs.
+    columns: [Vec<Column>; 2],
 }
 
 impl Unseen {
     /// Whether there are none.
-    pub fn is_empty(&self) -> bool {
+    pub(crate) fn is_empty(&self) -> bool {
         self.changes.is_empty()
     }
 
+    /// Adds the columns to the baselines of the logs.
+    pub(crate) fn free_in(&self, logs: &mut PreparedLogs) {
+        logs.insert(self.first, &self.columns);
+    }
+
     /// The standard parameters' change with these values of the baseline.
-    pub fn change(&self, baseline: &[f64]) -> Vec<f64> {
+    pub(crate) fn change(&self, baseline: &[f64]) -> Vec<f64> {
         let mut sum = vec![0.0; self.changes.first().map_or(0, Vec::len)];
         for (change, value) in self.changes.iter().zip(&baseline[self.first..]) {
             sum.iter_mut().zip(change).for_each(|(sum, part)| *sum += value * part);
@@ -45,9 +54,8 @@ impl Unseen {
 }
 
 impl Session<'_> {
-    /// Adds the columns of what the `members` make felt of the bodies by turning gravity to the baselines of the training and the held-out
-    /// logs.
-    pub fn free_unseen(&mut self, members: &[Member]) -> Unseen {
+    /// What the `members` make felt of the bodies by turning gravity.
+    pub(crate) fn unseen(&self, members: &[Member]) -> Unseen {
         let arm = &self.model.arm;
         let turned = turned_gravity(arm, members);
         let described = arm.described().gravity;
@@ -61,12 +69,9 @@ impl Session<'_> {
         let columns = torques(arm, &self.logs.train.rows, more, &changes);
         let independent = independent(&columns, more.norm() * (self.logs.train.rows.len() as f64).sqrt());
         changes = independent.iter().map(|&place| changes[place].clone()).collect();
-        let first = self.blocks(&[]).known.start;
-        let own = independent.into_iter().map(|place| columns[place].clone());
+        let own = independent.into_iter().map(|place| columns[place].clone()).collect();
         let held_out = torques(arm, &self.logs.test.rows, more, &changes);
-        self.logs.train.baseline.splice(first..first, own);
-        self.logs.test.baseline.splice(first..first, held_out);
-        Unseen { changes, first }
+        Unseen { changes, first: self.blocks(&[]).known.start, columns: [own, held_out] }
     }
 }
 
@@ -96,19 +101,15 @@ fn torques(arm: &Arm, rows: &Rows, gravity: Vector3<f64>, changes: &[Vec<f64>]) 
 
 /// Places of columns that no others before them make up, without those that are rounding against the size of `one`.
 fn independent(columns: &[Column], one: f64) -> Vec<usize> {
-    let size = |column: &Column| column.dot(column).sqrt();
-    let mut kept: Vec<(usize, Column)> = Vec::new();
-    for (place, column) in columns.iter().enumerate() {
-        let own = size(column);
-        let mut left = column.clone();
-        kept.iter().for_each(|(_, unit)| left.add(-unit.dot(&left), unit));
-        let rest = size(&left);
-        if own > ROUNDING * one && rest > ROUNDING * own {
-            left.scale(1.0 / rest);
-            kept.push((place, left));
-        }
-    }
-    kept.into_iter().map(|(place, _)| place).collect()
+    let rows = columns.iter().flat_map(|column| &column.parts).map(|(_, values)| values.len()).max().unwrap_or(0);
+    let joints = joints_of(columns);
+    let nothing = vec![0.0; rows];
+    let dense =
+        |column: &Column| joints.iter().flat_map(|joint| column.part(*joint).unwrap_or(&nothing)).copied().collect();
+    let dense: Vec<(usize, Vec<f64>)> = columns.iter().map(dense).enumerate().collect();
+    let large: Vec<&(usize, Vec<f64>)> = dense.iter().filter(|(_, values)| length(values) > ROUNDING * one).collect();
+    let values: Vec<&[f64]> = large.iter().map(|(_, values)| values.as_slice()).collect();
+    OrthonormalBasis::new(&values, ROUNDING).kept.into_iter().map(|k| large[k].0).collect()
 }
 
 #[cfg(test)]

@@ -11,7 +11,7 @@ const KEPT: usize = 400;
 
 /// Noises of joints by what they were estimated from. They are functions of that alone: what is remembered changes no number.
 #[derive(Debug)]
-pub struct NoiseMemory(Cache<u128, Arc<JointWhitener>>);
+pub(crate) struct NoiseMemory(Cache<u128, Arc<JointWhitener>>);
 
 impl Default for NoiseMemory {
     fn default() -> Self {

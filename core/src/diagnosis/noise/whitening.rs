@@ -23,7 +23,7 @@ impl Whitener {
     }
 
     /// [`Whitener::new`], with joints whose noise was estimated from the same before taken from `memory`.
-    pub fn remembered(memory: &NoiseMemory, rows: &Rows, torque: &Column, present: &[Column]) -> Self {
+    pub(crate) fn remembered(memory: &NoiseMemory, rows: &Rows, torque: &Column, present: &[Column]) -> Self {
         let joints = (0..rows.dof()).into_par_iter().map(|joint| {
             let signals = present.iter().chain([torque]).filter_map(|column| column.part(joint));
             let estimate = || JointWhitener::of(rows, torque, present, joint);
@@ -33,7 +33,7 @@ impl Whitener {
     }
 
     /// The same with the noise of one joint from what `torque` has there beyond the columns in `present` and the rich ones.
-    pub fn anew_on(&self, joint: usize, rows: &Rows, torque: &Column, present: &[Column]) -> Self {
+    pub(crate) fn anew_on(&self, joint: usize, rows: &Rows, torque: &Column, present: &[Column]) -> Self {
         let mut anew = self.clone();
         anew.joints[joint] = JointWhitener::of(rows, torque, present, joint);
         anew
@@ -55,7 +55,7 @@ impl Whitener {
     }
 
     /// [`Whitener::apply`] of many.
-    pub fn apply_all(&self, columns: &[Column]) -> Vec<Column> {
+    pub(crate) fn apply_all(&self, columns: &[Column]) -> Vec<Column> {
         columns.par_iter().map(|column| self.apply(column)).collect()
     }
 
@@ -79,7 +79,7 @@ impl Whitener {
     }
 
     /// The same noise with each joint's standard deviation times a factor, for a residual beyond the noise.
-    pub fn with_misfit(mut self, factors: &[f64]) -> Whitener {
+    pub(crate) fn with_misfit(mut self, factors: &[f64]) -> Whitener {
         self.joints.iter_mut().zip(factors).for_each(|(joint, factor)| joint.misfit *= factor);
         self
     }
@@ -90,7 +90,7 @@ impl Whitener {
     }
 
     /// Whether the residual of any of `joints` is well above the noise: by more than the factor `misfit`.
-    pub fn is_misfit(&self, joints: &[usize], misfit: f64) -> bool {
+    pub(crate) fn is_misfit(&self, joints: &[usize], misfit: f64) -> bool {
         joints.iter().any(|&joint| self.misfit(joint) > misfit)
     }
 
@@ -105,7 +105,7 @@ impl Whitener {
     }
 
     /// Sum over all rows of the logarithm of the standard deviation of the innovations, misfit included.
-    pub fn log_scale(&self) -> f64 {
+    pub(crate) fn log_scale(&self) -> f64 {
         self.joints
             .iter()
             .map(|joint| joint.filter.rows().len() as f64 * (joint.misfit * joint.filter.noise().innovation_std).ln())
@@ -113,7 +113,7 @@ impl Whitener {
     }
 
     /// Sum over the joints of the logarithm of the standard deviation of the innovations.
-    pub fn mean_log_scale(&self) -> f64 {
+    pub(crate) fn mean_log_scale(&self) -> f64 {
         self.joints.iter().map(|joint| joint.filter.noise().innovation_std.ln()).sum()
     }
 

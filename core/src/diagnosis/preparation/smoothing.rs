@@ -5,7 +5,7 @@ use crate::diagnosis::logs::{CUTOFFS_HZ, Log, ORDER, Rows};
 use crate::diagnosis::model::Moved;
 use crate::diagnosis::noise::Whitener;
 use crate::diagnosis::regression::Column;
-use crate::effects::{Placed, TimeDelay};
+use crate::effects::{self, Placed};
 use crate::error::Result;
 use crate::identification::effect_model::Arm;
 use crate::recording::Recording;
@@ -75,7 +75,7 @@ pub(super) fn of_joints(
 /// # Errors
 /// If a log is too short to differentiate.
 pub(super) fn noisy_once_moved(arm: &Arm, rows: &Rows, whitener: &Whitener, mostly: f64) -> Result<Vec<bool>> {
-    let delay = Placed { effect: &TimeDelay, joint: 0, parameters: vec![MOVED_S] };
+    let delay = Placed { effect: effects::delay(), joint: 0, parameters: vec![MOVED_S] };
     let power = |moved: Moved| -> Result<Column> {
         let added = arm.added_in(0..rows.logs.len(), std::slice::from_ref(&delay), rows, moved)?;
         Ok(whitener.apply(&added[0]))

@@ -54,7 +54,7 @@ impl Column {
     }
 
     /// The same over the rows of what is known beforehand alone.
-    pub fn dot_beforehand(&self, other: &Column) -> f64 {
+    pub(crate) fn dot_beforehand(&self, other: &Column) -> f64 {
         self.beforehand.iter().zip(&other.beforehand).map(|(a, b)| a * b).sum()
     }
 
@@ -114,7 +114,7 @@ impl Column {
     }
 
     /// Whether all values are numbers and not all are zero.
-    pub fn is_sound(&self) -> bool {
+    pub(crate) fn is_sound(&self) -> bool {
         !self.parts.is_empty() && self.parts.iter().flat_map(|(_, values)| values).all(|v| v.is_finite())
     }
 }

@@ -9,10 +9,11 @@ use statrs::function::gamma::ln_gamma;
 /// Share of a direction's squared norm that must be orthogonal to the baseline for the direction to be testable.
 const TESTABLE: f64 = 1e-5;
 
-/// The same for a direction to count as mostly left.
+/// The same for a direction to count as mostly left. It chooses regressors of slow noise, not findings.
 const MOSTLY_LEFT: f64 = 0.3;
 
-/// Share of a factor's direction that must be testable for the factor to count as determined.
+/// Share of a factor's direction that must be testable for the factor to count as determined: of the others the standard deviation is
+/// infinite. It is an identifiability of the regression, like its rank.
 const DETERMINED: f64 = 0.5;
 
 /// Share of its norm that a basis column must keep beyond those before it.
@@ -49,7 +50,7 @@ impl Projection {
     /// The same fit with more columns whose factors are known beforehand to lie near zero, with these standard deviations (infinite where
     /// nothing is known): an observation of zero is added for each (mixed estimation; Theil and Goldberger, International Economic
     /// Review 2, 1961).
-    pub fn with_prior(&self, columns: &[Column], spread: &[f64]) -> Self {
+    pub(crate) fn with_prior(&self, columns: &[Column], spread: &[f64]) -> Self {
         let observed = columns.iter().zip(spread).enumerate().map(|(k, (column, spread))| {
             let mut beforehand = vec![0.0; self.known + columns.len()];
             beforehand[self.known + k] = 1.0 / spread;
@@ -91,7 +92,7 @@ impl Projection {
     }
 
     /// The parts of whitened columns that are orthogonal to the fit.
-    pub fn left_of(&self, mut columns: Vec<Column>) -> Vec<Column> {
+    pub(crate) fn left_of(&self, mut columns: Vec<Column>) -> Vec<Column> {
         for _ in 0..2 {
             let along = self.basis.along(&columns);
             self.basis.subtract(&mut columns, &along);
@@ -111,13 +112,13 @@ impl Projection {
 
     /// The same of only those directions of the group that are mostly orthogonal to the baseline: what remains of the others may be
     /// anything but like the columns themselves.
-    pub fn test_of_what_is_mostly_left(&self, columns: &[Column]) -> Option<Test> {
+    pub(crate) fn test_of_what_is_mostly_left(&self, columns: &[Column]) -> Option<Test> {
         self.test_of(columns, &vec![f64::INFINITY; columns.len()], MOSTLY_LEFT)
     }
 
     /// The score test of columns whose factors are known beforehand to lie near zero, with these standard deviations: an
     /// observation of zero is added for each.
-    pub fn test_with_prior(&self, columns: &[Column], spread: &[f64]) -> Option<Test> {
+    pub(crate) fn test_with_prior(&self, columns: &[Column], spread: &[f64]) -> Option<Test> {
         self.test_of(columns, spread, TESTABLE)
     }
 

@@ -14,7 +14,7 @@ const UNDETERMINED: f64 = 1e-6;
 
 /// A least-squares solution with its covariance.
 #[derive(Debug, Clone)]
-pub struct Solved {
+pub(crate) struct Solved {
     /// Factors of the columns.
     pub values: Vec<f64>,
     /// Lengths of the columns.
@@ -55,7 +55,7 @@ pub(crate) fn solve_normal(mut normal: DMatrix<f64>, mut right: DVector<f64>) ->
 impl Solved {
     /// Standard deviation of a linear function of the factors, whose slopes are not zero at these places only; infinite where the
     /// rows do not separate it from other columns.
-    pub fn deviation(&self, slopes: &[(usize, f64)]) -> f64 {
+    pub(crate) fn deviation(&self, slopes: &[(usize, f64)]) -> f64 {
         let mut along = DVector::zeros(self.variances.len());
         for &(place, slope) in slopes {
             along += self.directions.row(place).transpose() * (slope / self.norms[place]);
@@ -70,7 +70,7 @@ impl Solved {
 
     /// Root mean square, over the rows of each joint that count (`valid`, `[joint][row]`), of the standard deviation of what `columns`
     /// predict there with these factors; infinite where that rests on directions that the fitted rows do not determine.
-    pub fn prediction_std(&self, columns: &[Column], valid: &[Vec<bool>]) -> Vec<f64> {
+    pub(crate) fn prediction_std(&self, columns: &[Column], valid: &[Vec<bool>]) -> Vec<f64> {
         let of_joint = |(joint, valid): (usize, &Vec<bool>)| {
             let rows: Vec<usize> = (0..valid.len()).filter(|&row| valid[row]).collect();
             let mut along = DMatrix::zeros(rows.len(), columns.len());
@@ -92,7 +92,7 @@ impl Solved {
     }
 
     /// Standard deviation of a factor.
-    pub fn std(&self, place: usize) -> f64 {
+    pub(crate) fn std(&self, place: usize) -> f64 {
         self.deviation(&[(place, 1.0)])
     }
 }

@@ -12,7 +12,8 @@ const LONGEST: usize = 50;
 const SHORTEST: usize = 12;
 const BLOCKS: usize = 30;
 
-/// Fewest blocks whose scatter estimates a variance.
+/// Fewest blocks whose scatter estimates a variance: with fewer the t statistic has no power at the strict level, and the gate on strength is
+/// not asked. It belongs to the statistic, as the length of the blocks does.
 const FEWEST: usize = 8;
 
 /// Added to the diagonal of the normal matrix of columns of unit length: directions that no row determines stay at zero.

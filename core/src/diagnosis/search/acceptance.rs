@@ -35,7 +35,7 @@ pub(super) struct Refusal {
 
 /// A candidate that is taken.
 #[derive(Debug)]
-pub struct Accepted {
+pub(crate) struct Accepted {
     /// As part of the model.
     pub member: Member,
     /// Lower bound (84 %) of the share of the whitened sum of squares that it takes away on rows it was not fitted to.

@@ -46,11 +46,11 @@ pub(super) fn search(
         // What errors of the smoothing or extremes imitate is so in all of them.
         let standing = |candidate: &Candidate, _: f64| match is_confirmable(candidate) {
             true => Standing::MayWin,
-            false => Standing::NotSignificant,
+            false => Standing::NotAsked,
         };
-        let Some(contenders) = Contenders::new(&round.scan, &known, &refused, multiplicity, standing) else { break };
+        let contenders = Contenders::new(&round.scan, &known, &refused, multiplicity, standing);
         let level = contenders.level;
-        if level > options.alpha {
+        if contenders.best.is_empty() || level > options.alpha {
             rejected.extend(contenders.not_significant(options.alpha));
             break;
         }

@@ -22,8 +22,8 @@ impl Refused {
         Refused { slot: candidate.slot(), joints: candidate.joints(), may_be }
     }
 
-    /// One that is not significant: it may act, but a saturation limit cannot be judged by a few rows.
-    pub(super) fn faint(candidate: &Candidate) -> Self {
+    /// One that is not asked, or not significant: it may act, but a saturation limit cannot be judged by a few rows.
+    fn faint(candidate: &Candidate) -> Self {
         Self::new(candidate, !is_level(candidate.placed.effect))
     }
 }
@@ -60,14 +60,27 @@ impl Eligible {
 }
 
 /// What may come of a candidate.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Standing {
     /// It may win a name.
     MayWin,
-    /// It is too faint for that, and may be another name for what wins.
-    NotSignificant,
-    /// It is too faint for either.
+    /// These logs cannot show it: it may be another name for what wins.
+    NotAsked,
+    /// It fails a gate, at a level at which it may be another name for what wins.
+    NotSignificant(Judgement),
+    /// It fails a gate, and is no other name either.
     Excluded,
+}
+
+impl Standing {
+    /// By the judgement of a candidate's level: what fails it may be another name up to the family-wise level `alpha`.
+    pub(super) fn by(judgement: Judgement, alpha: f64) -> Self {
+        match judgement.passed {
+            true => Standing::MayWin,
+            false if judgement.value <= alpha => Standing::NotSignificant(judgement),
+            false => Standing::Excluded,
+        }
+    }
 }
 
 /// Who may win a name.
@@ -75,39 +88,64 @@ pub(super) enum Standing {
 pub(super) struct Contenders<'a> {
     /// The best of every family that may, that first which chance alone would bring least.
     pub best: Vec<&'a Judged>,
-    /// Family-wise level of the first.
+    /// Family-wise level of the first; one where there is none.
     pub level: f64,
     /// Who may be another name.
     pub eligible: Eligible,
+    /// Those that are significant at the family-wise level and not at the share of it that their kind has.
+    pub rejected: Vec<Rejected>,
 }
 
 impl<'a> Contenders<'a> {
-    /// Those of a `scan` given what was `found` and what was `refused`; None where there are none. `standing` says what may
-    /// come of a candidate by its family-wise level.
+    /// Those of a `scan` given what was `found` and what was `refused`. `standing` is what may come of a candidate by its family-wise
+    /// level.
     pub(super) fn new(
         scan: &'a Scan,
         found: &[Found],
         refused: &[Refused],
         multiplicity: &Multiplicity,
         standing: impl Fn(&Candidate, f64) -> Standing,
-    ) -> Option<Self> {
+    ) -> Self {
         let level_of = |judged: &Judged| multiplicity.level(judged.candidate.family().effect, judged.test.log_p());
         let mut best = scan.best_per_family();
-        let faint = best.iter().filter_map(|judged| match standing(&judged.candidate, level_of(judged)) {
-            Standing::MayWin => None,
-            Standing::NotSignificant => Some(Refused::faint(&judged.candidate)),
-            Standing::Excluded => Some(Refused::new(&judged.candidate, false)),
-        });
-        let eligible = Eligible::new(found, refused.iter().cloned().chain(faint).collect());
+        let (mut refused, mut rejected) = (refused.to_vec(), Vec::new());
+        for judged in &best {
+            let candidate = &judged.candidate;
+            match standing(candidate, level_of(judged)) {
+                Standing::MayWin => {}
+                Standing::NotAsked => refused.push(Refused::faint(candidate)),
+                Standing::NotSignificant(failed) => {
+                    refused.push(Refused::faint(candidate));
+                    rejected.push(Rejected { slot: candidate.slot(), failed });
+                }
+                Standing::Excluded => refused.push(Refused::new(candidate, false)),
+            }
+        }
+        let eligible = Eligible::new(found, refused);
         best.retain(|judged| eligible.may_win(&judged.candidate));
         best.sort_by(|a, b| multiplicity.expected(a).total_cmp(&multiplicity.expected(b)));
-        let level = level_of(best.first()?);
-        Some(Contenders { best, level, eligible })
+        let level = best.first().map_or(1.0, |first| level_of(first));
+        Contenders { best, level, eligible, rejected }
     }
 
     /// The first as a candidate that is not significant at `alpha`.
     pub(super) fn not_significant(&self, alpha: f64) -> Option<Rejected> {
         let slot = self.best.first()?.candidate.slot();
         Some(Rejected { slot, failed: Judgement::at_most(Gate::FamilyWise, self.level, alpha) })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_fails_its_share_of_alpha_may_be_another_name_up_to_alpha() {
+        let at_share = |level: f64| Judgement::at_most(Gate::FamilyWise, level, 5e-9);
+        let standing = |level: f64| Standing::by(at_share(level), 0.05);
+        assert_eq!((standing(1e-9), standing(0.051)), (Standing::MayWin, Standing::Excluded));
+        assert_eq!(standing(0.05), Standing::NotSignificant(at_share(0.05)));
+        // What held-out logs can confirm is not judged by the training logs alone.
+        assert_eq!(Standing::by(at_share(0.9).or(true), 0.05), Standing::MayWin);
     }
 }

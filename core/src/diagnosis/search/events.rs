@@ -23,10 +23,8 @@ pub(super) struct Searched {
     pub rejected: Vec<Rejected>,
 }
 
-/// Events that are tried, the clearest first.
-const TRIED: usize = 3;
-
 /// An event of `all` candidates that the noise under the model with `members`, that of `whitener`, holds, or why the clearest was rejected.
+/// The clearest are tried first, as many as may be refused in a search that adds to another ([`crate::diagnosis::SearchCriteria::refusals`]).
 /// None is looked for where no joint's residual is far above the noise of its sensor. `alpha` is the family-wise level.
 ///
 /// # Errors
@@ -52,7 +50,7 @@ pub(super) fn held_by_noise(
     let events: Vec<&Candidate> = all.iter().filter(|candidate| is_event(candidate.placed.effect)).collect();
     let judged: Vec<Judged> = events.into_par_iter().filter_map(|event| session.judge(event, &plain, &fit)).collect();
     let mut rejected = Vec::new();
-    for seen in clearest(judged).into_iter().take(TRIED) {
+    for seen in clearest(judged).into_iter().take(criteria.search.refusals[1]) {
         let seen = session.refined(seen, &plain, &fit)?;
         let with: Vec<_> = present.iter().chain(seen.candidate.columns.iter()).cloned().collect();
         let own = session.noise_under(&with);

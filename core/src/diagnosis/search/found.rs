@@ -5,7 +5,7 @@ use super::verdict::Verdict;
 use crate::diagnosis::criteria::Judgement;
 use crate::diagnosis::evidence::Play;
 use crate::diagnosis::model::{Candidate, Family, Member, Session, Slot};
-use crate::effects::{Backlash, Effect, Nature};
+use crate::effects::{self, Nature};
 
 /// Another effect that explains the same.
 #[derive(Debug, Clone)]
@@ -74,7 +74,7 @@ pub struct Found {
 
 impl Found {
     /// What a trial accepted.
-    pub fn new(accepted: Accepted, alternatives: Vec<Alternative>) -> Self {
+    pub(crate) fn new(accepted: Accepted, alternatives: Vec<Alternative>) -> Self {
         let Accepted { member, gain_lower_bound, level } = accepted;
         let mut found = Found {
             member,
@@ -91,19 +91,19 @@ impl Found {
     }
 
     /// With the effects that explain the data no worse: where there is none, the effect is named.
-    pub fn set_alternatives(&mut self, alternatives: Vec<Alternative>) {
+    pub(crate) fn set_alternatives(&mut self, alternatives: Vec<Alternative>) {
         self.verdict = if alternatives.is_empty() { Verdict::Named } else { Verdict::OneOf };
         self.alternatives = alternatives;
     }
 
     /// Withdraws the finding by a gate that fails once all is known. It is the nearest law to something that it explains in part only.
-    pub fn withdraw(&mut self, failed: Judgement) {
+    pub(crate) fn withdraw(&mut self, failed: Judgement) {
         self.verdict = Verdict::Unexplained;
         self.withdrawn = Some(failed);
     }
 
     /// With one more effect that explains the data no worse.
-    pub fn may_also_be(&mut self, family: Family) {
+    pub(crate) fn may_also_be(&mut self, family: Family) {
         let others = self.alternatives.iter().filter(|other| other.family != family).cloned();
         self.set_alternatives([Alternative { family, relative_likelihood: 1.0 }].into_iter().chain(others).collect());
     }
@@ -129,7 +129,7 @@ pub(super) fn explained_by_play(
         let own = rattling.filter(|family| family.joint == placed.joint);
         alternatives.extend(own.map(|family| Alternative { family, relative_likelihood: 1.0 }));
     }
-    let play = Family { effect: Backlash.about().name, joint: placed.joint };
+    let play = Family { effect: effects::play().about().name, joint: placed.joint };
     let is_open = placed.effect.about().nature == Nature::LikePlay && session.model.open_play.contains(&placed.joint);
     if is_open && alternatives.iter().all(|other| other.family != play) {
         alternatives.push(Alternative { family: play, relative_likelihood: 1.0 });

@@ -5,9 +5,9 @@ use super::verdict::Verdict;
 use crate::diagnosis::Options;
 use crate::diagnosis::criteria::{Criteria, Gate, Judgement};
 use crate::diagnosis::evidence::{Play, Traces, family_wise};
-use crate::diagnosis::model::{Candidate, Family, Member, PreparedLogs, Session, columns, is_candidate};
+use crate::diagnosis::model::{Candidate, DataSet, Family, Member, PreparedLogs, Session, columns, is_candidate};
 use crate::diagnosis::regression::fisher;
-use crate::effects::{Backlash, Effect, Nature, Placed};
+use crate::effects::{self, Effect, Nature, Placed};
 use crate::error::Result;
 
 /// What impacts in the logs show.
@@ -29,7 +29,7 @@ pub(super) struct Impacts {
 /// # Errors
 /// If a log is too short to differentiate.
 pub(super) fn rattling_gears(session: &Session, options: &Options) -> Result<Impacts> {
-    let effect: &'static dyn Effect = &Backlash;
+    let effect = effects::play();
     if !is_candidate(effect, options.trust, &options.candidates) {
         return Ok(Impacts::default());
     }
@@ -62,12 +62,13 @@ pub(super) fn rattling_gears(session: &Session, options: &Options) -> Result<Imp
             Judgement::at_most(Gate::ImpactsAgain, each[1].exp(), levels.usual_p).or(both || test.changes(joint) == 0),
             Judgement::at_most(Gate::ImpactsAlike, alike.exp(), levels.strict_p),
         ];
-        if let Some(failed) = Judgement::first_failed(gates) {
-            let slot = (Family { effect: effect.about().name, joint }, None);
-            rejected = Some(Rejected { slot, failed });
+        let failed = Judgement::first_failed(gates);
+        let play = failed.is_none().then(|| train.play(joint, &session.model.arm, &session.logs.train.rows)).flatten();
+        let Some(play) = play else {
+            let failed = failed.unwrap_or(Judgement::at_least(Gate::ImpactsTimed, 0.0, 1.0));
+            rejected = Some(Rejected { slot: (Family { effect: effect.about().name, joint }, None), failed });
             break;
-        }
-        let Some(play) = train.play(joint, &session.model.arm, &session.logs.train.rows) else { break };
+        };
         let rivals: Vec<usize> = all[1..]
             .iter()
             .filter(|(_, log_p)| family_wise(*log_p, dof as f64) < limit)
@@ -90,9 +91,9 @@ pub(super) fn rattling_gears(session: &Session, options: &Options) -> Result<Imp
     // Between the impacts the link lies on one side or the other, which looks like an encoder that is not true.
     let known_from = session.blocks(&[]).known.start;
     let mut logs = session.logs.clone();
+    let steady = |data: &DataSet| -> Result<_> { Ok(columns(&session.model.arm, &data.rows, &placed)?.concat()) };
+    logs.insert(known_from, &[steady(&session.logs.train)?, steady(&session.logs.test)?]);
     for (data, traces) in [(&mut logs.train, &train), (&mut logs.test, &test)] {
-        let steady = columns(&session.model.arm, &data.rows, &placed)?.concat();
-        data.baseline.splice(known_from..known_from, steady);
         joints.iter().for_each(|&joint| traces.leave_out(joint, &mut data.rows));
     }
     Ok(Impacts { found, rejected, open_play, logs: Some(logs) })

@@ -1,10 +1,10 @@
 //! Backward re-selection: the first finding was chosen without the later ones, so each model comparison is repeated with all others in
 //! the model.
 
-use super::acceptance::{Outcome, Trial, is_confirmable};
+use super::acceptance::{Outcome, Refusal, Trial, is_confirmable};
 use super::comparison::{Chosen, Comparison, InOwnNoise, compare};
 use super::eligible::{Contenders, Standing};
-use super::found::{Alternative, Found, explained_by_play, members};
+use super::found::{Alternative, Found, Rejected, explained_by_play, members};
 use super::parsimony::chosen;
 use super::round::Round;
 use crate::diagnosis::Options;
@@ -45,7 +45,10 @@ impl Again {
         loop {
             let scan = Scan::new(session, &all, &noise.whitener, &noise.projection);
             let anyone = |_: &Candidate, _| Standing::MayWin;
-            let Some(contenders) = Contenders::new(&scan, &others, &[], multiplicity, anyone) else { return Ok(None) };
+            let contenders = Contenders::new(&scan, &others, &[], multiplicity, anyone);
+            if contenders.best.is_empty() {
+                return Ok(None);
+            }
             let own_noise = &mut InOwnNoise::new();
             let comparison = compare(session, &of_others, &contenders, &all, multiplicity, own_noise)?;
             let winner = &comparison.winner.candidate;
@@ -103,7 +106,7 @@ fn can_be_asked(found: &Found) -> bool {
 }
 
 /// Repeats the model comparison for every finding with all others in the model, among the candidates `everywhere`; returns
-/// whether a name has changed.
+/// whether a name has changed. What would replace a finding and fails a gate is added to `rejected`.
 ///
 /// # Errors
 /// If a log is too short to differentiate.
@@ -113,6 +116,7 @@ pub(super) fn reselect(
     everywhere: &[Candidate],
     multiplicity: &Multiplicity,
     options: &Options,
+    rejected: &mut Vec<Rejected>,
     watch: &mut Watch,
 ) -> Result<bool> {
     let alpha = options.alpha;
@@ -148,9 +152,13 @@ pub(super) fn reselect(
                 *known = Found::new(*accepted, alternatives);
                 changed = true;
             }
-            // It explains the residual better than the finding does, and is not significant enough to replace it.
-            Outcome::Refused(refusal) if refusal.may_be => known.may_also_be(new),
-            Outcome::Refused(_) => {}
+            Outcome::Refused(Refusal { may_be, failed, .. }) => {
+                rejected.push(Rejected { slot: winner.candidate.slot(), failed });
+                // It explains the residual better than the finding does, and is not significant enough to replace it.
+                if may_be {
+                    known.may_also_be(new);
+                }
+            }
         }
     }
     Ok(changed)

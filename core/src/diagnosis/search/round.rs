@@ -111,10 +111,11 @@ pub(super) fn settled(session: &mut Session, found: &mut [Found]) -> Result<(Whi
 /// If a log is too short to differentiate.
 pub(super) fn converged(session: &mut Session, found: &mut [Found], whitener: &Whitener) -> Result<Option<Whitener>> {
     let mut members = members(found);
-    let unseen = session.free_unseen(&members);
+    let unseen = session.unseen(&members);
     if unseen.is_empty() && !members.iter().any(|member| !member.held && acts_upon_arm(member.placed.effect)) {
         return Ok(None);
     }
+    unseen.free_in(&mut session.logs);
     for _ in 0..ROUNDS {
         members.iter_mut().for_each(Member::take_departures_at_estimates);
         let before: Vec<Vec<f64>> = members.iter().map(|member| member.factors.clone()).collect();

@@ -52,7 +52,7 @@ pub(crate) struct Selection {
 pub(crate) fn select(session: &mut Session, options: &Options, watch: &mut Watch) -> Result<Selection> {
     let mut found: Vec<Found> = Vec::new();
     let mut refused: Vec<Refused> = Vec::new();
-    let mut rejected: Vec<Rejected> = Vec::new();
+    let (mut rejected, mut faint): (Vec<Rejected>, Vec<Rejected>) = Default::default();
     let (mut in_a_row, mut asked) = (0, 0);
     let mut in_own_noise = InOwnNoise::default();
     let mut round = Round::first(session, &mut found, options)?;
@@ -96,15 +96,17 @@ pub(crate) fn select(session: &mut Session, options: &Options, watch: &mut Watch
             }
         }
         // Nothing confirms those that only the training logs can show.
-        let standing = |candidate: &Candidate, level: f64| match strictness(candidate, &session.criteria.search) {
-            share if is_confirmable(candidate) || level <= options.alpha * share => Standing::MayWin,
-            _ if level <= options.alpha => Standing::NotSignificant,
-            _ => Standing::Excluded,
+        let standing = |candidate: &Candidate, level: f64| {
+            let limit = options.alpha * strictness(candidate, &session.criteria.search);
+            let judgement = Judgement::at_most(Gate::FamilyWise, level, limit);
+            Standing::by(judgement.or(is_confirmable(candidate)), options.alpha)
         };
-        let Some(contenders) = Contenders::new(&round.scan, &found, &refused, &multiplicity, standing) else {
+        let contenders = Contenders::new(&round.scan, &found, &refused, &multiplicity, standing);
+        faint.clone_from(&contenders.rejected);
+        if contenders.best.is_empty() {
             exhausted = true;
             continue;
-        };
+        }
         let level = contenders.level;
         for judged in contenders.best.iter().take(LOGGED) {
             let (family, test) = (judged.candidate.family(), &judged.test);
@@ -157,10 +159,13 @@ pub(crate) fn select(session: &mut Session, options: &Options, watch: &mut Watch
             }
         }
     }
+    // Of what held-out logs cannot confirm, what is significant with all that was found in the model.
+    faint.retain(|one| rejected.iter().all(|other| other.slot != one.slot));
+    rejected.extend(faint);
     let superfluous = drop_superfluous(session, &mut found)?;
     let dropped = !superfluous.is_empty();
     rejected.extend(superfluous);
-    let reselected = reselect(session, &mut found, &round.all, &multiplicity, options, watch)?;
+    let reselected = reselect(session, &mut found, &round.all, &multiplicity, options, &mut rejected, watch)?;
     let Round { mut whitener, scan, all, .. } = round;
     let sensitivity = scan.sensitivity();
     drop(scan);

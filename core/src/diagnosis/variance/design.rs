@@ -14,7 +14,8 @@ const TOGETHER: usize = 4;
 /// Least share of a fixed column orthogonal to the others: a smaller one is rounding.
 const ROUNDING: f64 = 1e-5;
 
-/// Share of a law's square, beyond the model, in its mean from which it counts as a constant.
+/// Share of a law's square, beyond the model, in its mean from which it counts as a constant: the kind of constants is then collinear with
+/// it and has no functions. It keeps the regression determined, and decides about no name.
 const CONSTANT: f64 = 0.9;
 
 /// One joint's regression. All matrices have a row per averaged row.

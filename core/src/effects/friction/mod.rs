@@ -13,6 +13,7 @@ mod viscous_friction;
 
 pub use coulomb_friction::CoulombFriction;
 pub use drives::drive_friction;
+pub(crate) use drives::laws_of_drive;
 pub use friction_asymmetry::FrictionAsymmetry;
 pub use friction_warm_up::FrictionWarmUp;
 pub use load_dependent_friction::LoadDependentFriction;

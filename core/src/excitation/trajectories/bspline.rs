@@ -93,11 +93,6 @@ impl Bspline {
         let curves = joints.iter().map(|joint| spans(duration_s, degree, &joint.control_points)).collect();
         Ok(Bspline { data: Data { duration_s, degree, joints }, curves })
     }
-
-    /// The free control points of every joint, as given.
-    pub fn joint_points(&self) -> &[JointPoints] {
-        &self.data.joints
-    }
 }
 
 /// The polynomial of every span: its Taylor coefficients at the start of the span, in units of the span.

@@ -159,7 +159,7 @@ impl FreudensteinSequence {
     }
 
     /// The moves of every joint, as given.
-    pub fn joint_moves(&self) -> &[JointMoves] {
+    pub(crate) fn joint_moves(&self) -> &[JointMoves] {
         &self.data.joints
     }
 

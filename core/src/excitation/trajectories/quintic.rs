@@ -106,7 +106,7 @@ impl QuinticSequence {
     }
 
     /// The segments of every joint, as given.
-    pub fn joint_segments(&self) -> &[JointSegments] {
+    pub(crate) fn joint_segments(&self) -> &[JointSegments] {
         &self.data.joints
     }
 }

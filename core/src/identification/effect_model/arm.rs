@@ -33,7 +33,7 @@ impl Arm {
     }
 
     /// The same with friction that changes its direction over some speed on each joint, rad/s or m/s.
-    pub fn with_coulomb_rounding(self, coulomb_rounding: Vec<Rounding>) -> Self {
+    pub(crate) fn with_coulomb_rounding(self, coulomb_rounding: Vec<Rounding>) -> Self {
         Arm { coulomb_rounding, ..self }
     }
 
@@ -118,7 +118,7 @@ impl Arm {
     }
 
     /// What laws at a site ask about a motion. What rapier's step gets wrong depends on where each mass really is: in the description.
-    pub fn laws_along<'a>(&'a self, site: Site, time: &'a [f64], motion: &'a Motion) -> Along<'a> {
+    pub(crate) fn laws_along<'a>(&'a self, site: Site, time: &'a [f64], motion: &'a Motion) -> Along<'a> {
         let robot = if site == Site::Integrator { &self.known } else { &self.found };
         Along::turning_over(robot, &self.chain, time, motion, &self.coulomb_rounding)
     }
@@ -136,7 +136,7 @@ impl Arm {
     }
 
     /// Inertia of the arm as found about one of its joints at `q`, kg m2 (kg for one that slides).
-    pub fn inertia_about(&self, joint: usize, q: &[f64]) -> f64 {
+    pub(crate) fn inertia_about(&self, joint: usize, q: &[f64]) -> f64 {
         mass_matrix(&self.chain, &self.found.inertial_parameters(), q)[(joint, joint)]
     }
 

@@ -45,7 +45,7 @@ impl EffectModel<'_> {
     ///
     /// # Errors
     /// If a log is too short for its preparation.
-    pub fn row_times(&self) -> Result<Vec<f64>> {
+    pub(crate) fn row_times(&self) -> Result<Vec<f64>> {
         let mut times = Vec::new();
         for (_, prepared) in &self.logs {
             if !times.is_empty() {
@@ -60,7 +60,7 @@ impl EffectModel<'_> {
     ///
     /// # Errors
     /// If a log is too short for its preparation.
-    pub fn row_motion(&self) -> Result<[Vec<Vec<f64>>; 2]> {
+    pub(crate) fn row_motion(&self) -> Result<[Vec<Vec<f64>>; 2]> {
         let mut tables = [vec![Vec::new(); self.joints()], vec![Vec::new(); self.joints()]];
         for (_, prepared) in &self.logs {
             for joint in 0..self.joints() {

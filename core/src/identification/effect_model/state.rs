@@ -151,7 +151,7 @@ impl<'a> EffectModel<'a> {
     }
 
     /// Units of the arm's linear parameters.
-    pub fn baseline_units(&self) -> Vec<&'static str> {
+    pub(crate) fn baseline_units(&self) -> Vec<&'static str> {
         self.arm.iter().map(|&parameter| self.model.unit_on_joint(leader(self.model, parameter))).collect()
     }
 
@@ -235,7 +235,7 @@ impl<'a> EffectModel<'a> {
     }
 
     /// Takes over the arm's linear parameters, under which gears twist.
-    pub fn set_baseline(&mut self, values: &[f64]) {
+    pub(crate) fn set_baseline(&mut self, values: &[f64]) {
         let arm = self.baseline.len();
         self.baseline.copy_from_slice(&values[..arm]);
     }

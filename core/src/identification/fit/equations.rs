@@ -42,7 +42,7 @@ pub struct Observed {
 
 /// Whether all logs hold torque of each joint. A log that holds it only in part still does; torque that never changes was not
 /// measured.
-pub fn with_torque<'a>(joints: usize, logs: impl Iterator<Item = &'a Recording> + Clone) -> Vec<bool> {
+pub(crate) fn with_torque<'a>(joints: usize, logs: impl Iterator<Item = &'a Recording> + Clone) -> Vec<bool> {
     let is_logged = |log: &Recording, joint: usize| {
         let mut measured = log.tau.channel(joint).iter().filter(|torque| torque.is_finite());
         measured.next().is_some_and(|first| measured.any(|other| other != first))
@@ -51,7 +51,7 @@ pub fn with_torque<'a>(joints: usize, logs: impl Iterator<Item = &'a Recording> 
 }
 
 /// The note on a joint whose torque some log does not hold.
-pub fn no_torque() -> String {
+pub(crate) fn no_torque() -> String {
     "its torque is not logged; it moves with the others, and its own friction and rotor stay as described".to_owned()
 }
 

@@ -53,7 +53,7 @@ pub struct BaseColumns {
 impl BaseColumns {
     /// For an arm with base parameters of standard ones (13 a body: ten inertial ones, rotor inertia, viscous and Coulomb friction of
     /// its joint). A joint without an equation, whose torque is not known, has no columns.
-    pub fn new(chain: &Chain, equations: &[bool], base: &BaseParameters) -> Self {
+    pub(crate) fn new(chain: &Chain, equations: &[bool], base: &BaseParameters) -> Self {
         let kept = base.kept();
         let dof = chain.dof();
         let mut shares: Vec<Share> = Vec::with_capacity(dof);
@@ -88,23 +88,18 @@ impl BaseColumns {
         BaseColumns { shares, entries, places }
     }
 
-    /// Number of joints.
-    pub fn dof(&self) -> usize {
-        self.shares.len()
-    }
-
     /// Places in a table: the columns of all joints, and one behind those of each.
     pub fn places(&self) -> usize {
         self.places
     }
 
     /// Base parameters that can act on a joint, ascending; the order of its columns.
-    pub fn parameters(&self, joint: usize) -> &[usize] {
+    pub(crate) fn parameters(&self, joint: usize) -> &[usize] {
         &self.shares[joint].parameters
     }
 
     /// Places of a joint's columns in a table; the next one is the caller's.
-    pub fn of(&self, joint: usize) -> Range<usize> {
+    pub(crate) fn of(&self, joint: usize) -> Range<usize> {
         let share = &self.shares[joint];
         share.first..share.first + share.parameters.len()
     }
@@ -144,7 +139,7 @@ impl BaseColumns {
     }
 
     /// Takes off the columns of a joint, `[column][row]`, their shares of those that they are merged into.
-    pub fn take_off(&self, joint: usize, table: &mut [f64], rows: usize) {
+    pub(crate) fn take_off(&self, joint: usize, table: &mut [f64], rows: usize) {
         for &(own, other, share) in &self.shares[joint].merged {
             let ranges = [own * rows..(own + 1) * rows, other * rows..(other + 1) * rows];
             // Two columns of one table are never the same.
@@ -155,7 +150,7 @@ impl BaseColumns {
     }
 
     /// All columns along a motion: for every joint a table `[its column][time]`.
-    pub fn tables(&self, chain: &Chain, motions: [&Motion; 2], width: f64) -> Vec<Channels> {
+    pub(crate) fn tables(&self, chain: &Chain, motions: [&Motion; 2], width: f64) -> Vec<Channels> {
         let samples = motions[0].samples();
         let mut tables: Vec<Channels> =
             self.shares.iter().map(|share| Channels::zeros(share.parameters.len(), samples)).collect();

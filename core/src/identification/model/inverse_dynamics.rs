@@ -6,7 +6,7 @@ use super::standard::{COULOMB, ROTOR, STANDARD, VISCOUS};
 use super::streamed::{self, Writer};
 use crate::channels::Channels;
 use crate::dynamics::{BaseParameters, Chain, Entries, Lanes, Motion};
-use crate::effects::{CoulombFriction, Effect, ViscousFriction, direction};
+use crate::effects::{direction, laws_of_drive};
 use crate::error::Result;
 use crate::identification::numerics::sequences::combine_into;
 use crate::lane::Aligned;
@@ -59,7 +59,7 @@ impl Model {
     ///
     /// # Panics
     /// If `equations` does not have every joint.
-    pub fn with_equations(robot: &Robot, equations: &[bool]) -> Self {
+    pub(crate) fn with_equations(robot: &Robot, equations: &[bool]) -> Self {
         assert_eq!(equations.len(), robot.dof(), "every joint has an equation or has none");
         let chain = Chain::new(robot);
         let names = standard_names(robot.bodies());
@@ -116,7 +116,7 @@ impl Model {
     }
 
     /// Whether the rotor inertia of `joint` is a base parameter of its own (and not part of a link's).
-    pub fn rotor_stands_alone(&self, joint: usize) -> bool {
+    pub(crate) fn rotor_stands_alone(&self, joint: usize) -> bool {
         (0..self.base.len()).any(|base| self.drive_of(base) == Some((joint, 0)))
     }
 
@@ -125,8 +125,7 @@ impl Model {
         match standard % STANDARD {
             inertial if inertial < PARAMETERS => UNITS[inertial],
             ROTOR => Unit::Inertia,
-            VISCOUS => ViscousFriction.parameters()[0].unit,
-            _ => CoulombFriction.parameters()[0].unit,
+            friction => laws_of_drive()[friction - VISCOUS].parameters()[0].unit,
         }
     }
 
@@ -152,13 +151,13 @@ impl Model {
     }
 
     /// [`Model::columns`] under another gravity vector in base coordinates (m/s2), without a width.
-    pub fn columns_under(&self, gravity: [f64; 3], motion: &Motion) -> Vec<Channels> {
+    pub(crate) fn columns_under(&self, gravity: [f64; 3], motion: &Motion) -> Vec<Channels> {
         self.columns.tables(&self.chain.clone().with_gravity(gravity), [motion; 2], 0.0)
     }
 
     /// [`Model::columns`] of one joint, where motors and links may move differently: inertial columns along `link`, rotor
     /// and friction columns along `motor`.
-    pub fn columns_on(&self, joint: usize, motor: &Motion, link: &Motion, width: f64) -> Channels {
+    pub(crate) fn columns_on(&self, joint: usize, motor: &Motion, link: &Motion, width: f64) -> Channels {
         let standard: Vec<usize> = self.active(joint).into_iter().map(|b| self.base.kept()[b]).collect();
         let mut table = standard_columns(&self.chain, joint, &standard, [motor, link], width);
         let rows = table.samples();
@@ -171,7 +170,12 @@ impl Model {
     ///
     /// # Errors
     /// Those of the filter: the motion is too short for it.
-    pub fn filtered_columns_apart(&self, motions: [&Motion; 2], filter: &Filter, step: usize) -> Result<Vec<Channels>> {
+    pub(crate) fn filtered_columns_apart(
+        &self,
+        motions: [&Motion; 2],
+        filter: &Filter,
+        step: usize,
+    ) -> Result<Vec<Channels>> {
         let wanted: Vec<Range<usize>> = (0..self.dof()).map(|joint| self.columns.of(joint)).collect();
         streamed::filtered(&Along { model: self, motions }, filter, step, motions[0].samples(), &wanted)
     }
@@ -254,7 +258,8 @@ fn standard_names(bodies: usize) -> Vec<String> {
         .flat_map(|joint| {
             SYMBOLS
                 .into_iter()
-                .chain(["Ia", ViscousFriction.parameters()[0].symbol, CoulombFriction.parameters()[0].symbol])
+                .chain(["Ia"])
+                .chain(laws_of_drive().map(|law| law.parameters()[0].symbol))
                 .map(move |symbol| format!("{symbol}{joint}"))
         })
         .collect()
@@ -399,8 +404,7 @@ mod tests {
         for joint in 0..robot.dof() {
             let standard = [joint * STANDARD + PARAMETERS + 1, joint * STANDARD + PARAMETERS + 2];
             let table = standard_columns(&chain, joint, &standard, [&motion; 2], 0.05);
-            for (column, effect) in [&ViscousFriction as &'static dyn Effect, &CoulombFriction].into_iter().enumerate()
-            {
+            for (column, effect) in laws_of_drive().into_iter().enumerate() {
                 let law = contribution(&[Placed { effect, joint, parameters: vec![1.0] }], &along);
                 assert_eq!(table.channel(column), law.channel(joint));
             }

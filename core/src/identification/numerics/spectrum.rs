@@ -15,7 +15,7 @@ const PASSES: usize = 17;
 
 /// The tridiagonal form of a symmetric matrix.
 #[derive(Debug, Clone)]
-pub struct Spectrum {
+pub(crate) struct Spectrum {
     diagonal: Vec<f64>,
     /// Squares of the entries next to the diagonal; the first is zero.
     squares: Vec<f64>,
@@ -30,7 +30,7 @@ impl Spectrum {
     ///
     /// # Panics
     /// If the matrix is not square.
-    pub fn of(matrix: &DMatrix<f64>) -> Self {
+    pub(crate) fn of(matrix: &DMatrix<f64>) -> Self {
         Self::with(Lanes::best(), matrix)
     }
 
@@ -57,7 +57,7 @@ impl Spectrum {
 
     /// The smallest and the largest eigenvalue, to rounding of the larger in size; no numbers of a matrix that is empty or
     /// holds what is not a number.
-    pub fn ends(&self) -> [f64; 2] {
+    pub(crate) fn ends(&self) -> [f64; 2] {
         if self.diagonal.is_empty() || !self.diagonal.iter().chain(&self.squares).all(|value| value.is_finite()) {
             return [f64::NAN; 2];
         }
@@ -65,12 +65,12 @@ impl Spectrum {
     }
 
     /// Number of eigenvalues below `value`.
-    pub fn below(&self, value: f64) -> usize {
+    pub(crate) fn below(&self, value: f64) -> usize {
         self.count([value; PLACES])[0]
     }
 
     /// ln det; not a number where the matrix is not positive definite.
-    pub fn log_determinant(&self) -> f64 {
+    pub(crate) fn log_determinant(&self) -> f64 {
         let mut pivot = 1.0;
         let mut sum = 0.0;
         for (d, e) in self.diagonal.iter().zip(&self.squares) {

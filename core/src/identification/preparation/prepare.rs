@@ -74,7 +74,7 @@ impl Smoothing {
 const POSITION_MARGIN: f64 = 4.0;
 
 /// Order of the low-pass of [`Smoothing::LowPass`], in each direction.
-pub const LOW_PASS_ORDER: usize = 4;
+pub(crate) const LOW_PASS_ORDER: usize = 4;
 
 /// Cut-off of the positions, Hz, where torque and columns go through [`Smoothing::LowPass`] with a cut-off.
 pub fn position_cutoff_hz(cutoff_hz: f64, rate_hz: f64) -> f64 {

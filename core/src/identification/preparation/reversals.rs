@@ -65,7 +65,7 @@ pub fn weights(filter: &Filter, reach: usize, samples: usize) -> Result<Vec<f64>
 
 /// Every `step`-th sample whose row may be used: the filter, which sees `reach` samples to either side with these `weights`, fits
 /// into the log, and the direction is certain in all that it sees, or `quick` reversals excepted.
-pub fn rows_to_use(moving: &[bool], (reach, weights): (usize, &[f64]), step: usize, quick: bool) -> Vec<bool> {
+pub(crate) fn rows_to_use(moving: &[bool], (reach, weights): (usize, &[f64]), step: usize, quick: bool) -> Vec<bool> {
     let mut uncertain_before = vec![0usize; moving.len() + 1];
     for (sample, &ok) in moving.iter().enumerate() {
         uncertain_before[sample + 1] = uncertain_before[sample] + usize::from(!ok);

@@ -59,7 +59,7 @@ pub fn window(logs: &[&Recording], order: usize) -> Result<usize> {
 
 /// Polynomial order of a smoother that no scenario describes: even, so that the second derivative gains by it, and high enough that a
 /// window of a tenth of a second does not bend accelerations.
-pub const USUAL_ORDER: usize = 6;
+pub(crate) const USUAL_ORDER: usize = 6;
 
 /// Savitzky-Golay of order six for `logs` that no scenario describes, over the window that suits their noise; over the usual one
 /// where a log is too short to choose by. A twelfth of the window lies between two rows.

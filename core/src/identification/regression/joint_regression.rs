@@ -120,7 +120,7 @@ impl JointRegression {
     }
 
     /// Of a joint without an equation: `rows` rows none of which counts.
-    pub fn without_equation(joint: String, rows: usize) -> Self {
+    pub(crate) fn without_equation(joint: String, rows: usize) -> Self {
         JointRegression {
             joint,
             parameters: Vec::new(),

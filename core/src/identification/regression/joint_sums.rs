@@ -34,12 +34,12 @@ impl JointSums {
     }
 
     /// The smallest sum of squares of a residual that the Gram matrix resolves.
-    pub fn least_residual(&self) -> f64 {
+    pub(crate) fn least_residual(&self) -> f64 {
         RESOLVED * self.torque()
     }
 
     /// Sum of squares of y - X beta; None where the Gram matrix does not resolve it.
-    pub fn residual(&self, beta: &[f64]) -> Option<f64> {
+    pub(crate) fn residual(&self, beta: &[f64]) -> Option<f64> {
         let signed = self.parameters.iter().map(|&p| -beta[p]).chain([1.0]);
         let signed = DVector::from_iterator(self.parameters.len() + 1, signed);
         Some((&self.gram * &signed).dot(&signed)).filter(|&sum| sum > self.least_residual())

@@ -69,7 +69,7 @@ impl AutoregressiveNoise {
 
     /// Turns every signal of `table` into L' signal, where L is the filter that makes this noise from unit white noise: the
     /// sum of squares of the result is the variance of signal . noise.
-    pub fn color_backward(&self, table: &mut Channels) {
+    pub(crate) fn color_backward(&self, table: &mut Channels) {
         recur_backward(table, self.innovation_std, &self.coefficients);
     }
 }

@@ -130,7 +130,8 @@ fn equations(sums: &[JointSums], sigma: &[f64], known: &[f64]) -> (DMatrix<f64>,
     (normal, right)
 }
 
-/// Those of `candidates`, in their order, whose column has more than a `share` orthogonal to the ones kept before it.
+/// Those of `candidates`, in their order, whose column has more than a `share` orthogonal to the ones kept before it: by the Cholesky factor
+/// of the `normal` matrix, since of the columns themselves nothing is kept but these sums.
 fn independent(normal: &DMatrix<f64>, candidates: Vec<usize>, share: f64) -> Vec<usize> {
     let mut kept: Vec<usize> = Vec::new();
     // Row i: what the kept column i has along the orthonormal directions of those before it, and its own length last.

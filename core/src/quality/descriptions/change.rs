@@ -168,7 +168,7 @@ impl Description {
 
     /// The description with the columns of all joints in reverse order, as of a recorder that begins at the tip: exchanges of which none
     /// explains anything by itself. None where two are exchanged at most, or a torque is not `measured`.
-    pub fn in_reverse_order(&self, measured: &[bool]) -> Option<Description> {
+    pub(crate) fn in_reverse_order(&self, measured: &[bool]) -> Option<Description> {
         let dof = self.dof();
         let pairs = 0..dof / 2;
         let all = pairs.len() > 1 && measured.iter().all(|measured| *measured);
@@ -192,7 +192,7 @@ impl Description {
     }
 
     /// The description with other offsets of joints' zeros.
-    pub fn with_zeros(&self, offsets: &[f64]) -> Description {
+    pub(crate) fn with_zeros(&self, offsets: &[f64]) -> Description {
         let mut out = Description { position_offset: vec![0.0; self.dof()], ..self.clone() };
         out.changes.retain(|change| !matches!(change, Change::ZeroOffset(..)));
         let others = offsets.iter().enumerate().filter(|(_, offset)| **offset != 0.0);
@@ -233,24 +233,24 @@ impl Description {
     }
 
     /// Whether nothing but factors of single torques is changed.
-    pub fn has_only_factors(&self) -> bool {
+    pub(crate) fn has_only_factors(&self) -> bool {
         self.changes.iter().all(|change| matches!(change, Change::JointScale(..)))
     }
 
     /// Whether nothing but factors of single torques and the sign of all is changed.
-    pub fn has_only_scales_and_signs(&self) -> bool {
+    pub(crate) fn has_only_scales_and_signs(&self) -> bool {
         self.changes.iter().all(|change| matches!(change, Change::JointScale(..) | Change::AllTorqueSigns))
     }
 
     /// The description without factors of torques.
-    pub fn without_scales(&self) -> Description {
+    pub(crate) fn without_scales(&self) -> Description {
         let mut out = Description { torque_scale: vec![1.0; self.dof()], ..self.clone() };
         out.changes.retain(|change| !matches!(change, Change::JointScale(..) | Change::TorqueScale(_)));
         out
     }
 
     /// Whether two descriptions differ in the size of factors of torques and of offsets of zeros only.
-    pub fn same_but_for_sizes(&self, other: &Description) -> bool {
+    pub(crate) fn same_but_for_sizes(&self, other: &Description) -> bool {
         let differs = |values: &[f64], usual: f64| values.iter().map(|v| f64::from(*v != usual)).collect();
         let strip = |description: &Description| Description {
             torque_scale: differs(&description.torque_scale, 1.0),
@@ -261,7 +261,7 @@ impl Description {
     }
 
     /// Whether a joint's position is made otherwise from the log than as it is there.
-    pub fn changes_position_of(&self, joint: usize) -> bool {
+    pub(crate) fn changes_position_of(&self, joint: usize) -> bool {
         self.position_of[joint] != joint || self.position_sign[joint] != 1.0 || self.position_offset[joint] != 0.0
     }
 

@@ -8,9 +8,8 @@
 //! | residuals under a description | `fitting` |
 //! | whether one is clearly better than another | `compare` |
 //! | whether a gain is large, and whether the described bodies support it | `known` |
-//! | which set of changes is the smallest | `search` |
+//! | which set of changes is the smallest, which of those that the logs do not separate | `search` |
 //! | whether torques are of another scale, and wrong besides | `scales` |
-//! | which of those that the logs do not separate | `settle` |
 //! | which direction of gravity needs no drive to carry weights | `weights` |
 //! | which way friction acts, without a model | `jumps` |
 //! | changes that have a size: gravity, scales, zeros | `sizes` |
@@ -34,7 +33,6 @@ mod lost_signs;
 mod motion_units;
 mod scales;
 mod search;
-mod settle;
 mod shares;
 mod sizes;
 mod tried;

@@ -32,7 +32,7 @@ pub fn write(path: &Path, recording: &Recording) -> Result<()> {
 ///
 /// # Errors
 /// As [`write()`].
-pub fn write_named(path: &Path, recording: &Recording) -> Result<()> {
+pub(crate) fn write_named(path: &Path, recording: &Recording) -> Result<()> {
     let columns = written::table(recording, true)?;
     let failed = |source| Error::io(path, "write the recording", source);
     write_table(File::create(path).map_err(failed)?, &columns).map_err(failed)

@@ -12,4 +12,5 @@ mod units;
 
 pub use super::cleaning::{Cause, Rejected};
 pub use super::columns::{Column, ColumnMap, JointNames};
-pub use read::{Sieved, joint_names, load, load_together, positions};
+pub(crate) use read::load_together;
+pub use read::{Sieved, joint_names, load, positions};

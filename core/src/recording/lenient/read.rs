@@ -80,7 +80,7 @@ pub fn load(path: impl AsRef<Path>, joints: Option<&[String]>, map: &ColumnMap) 
 ///
 /// # Errors
 /// Those of [`load`]; files of different length without time; no file at all.
-pub fn load_together(paths: &[PathBuf], joints: Option<&[String]>, map: &ColumnMap) -> Result<Sieved> {
+pub(crate) fn load_together(paths: &[PathBuf], joints: Option<&[String]>, map: &ColumnMap) -> Result<Sieved> {
     read(paths, joints, map, false)
 }
 

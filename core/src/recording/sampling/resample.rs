@@ -7,10 +7,10 @@ use std::ops::Range;
 
 /// Root mean square of the deviation of the steps from the median step, over the median step, above which a log is
 /// taken at even steps before it is used.
-pub const IRREGULAR: f64 = 0.02;
+pub(crate) const IRREGULAR: f64 = 0.02;
 
 /// A step longer than this many median steps is a gap, whatever the clock.
-pub const GAP: f64 = 2.5;
+pub(crate) const GAP: f64 = 2.5;
 
 /// Of a clock whose steps otherwise scatter by less than [`STEADY`] of the median, one longer than this already is: a row was
 /// lost.
@@ -182,7 +182,7 @@ fn stretches(recording: &Recording, clock: &Clock) -> Vec<Range<usize>> {
 }
 
 /// The longest run of rows without a gap that cannot be bridged; None where there is no such gap, or no run worth keeping.
-pub fn longest_stretch(recording: &Recording) -> Option<Range<usize>> {
+pub(crate) fn longest_stretch(recording: &Recording) -> Option<Range<usize>> {
     let longest = stretches(recording, &Clock::new(recording)).into_iter().max_by_key(|rows| rows.len())?;
     (longest.len() < recording.samples()).then_some(longest)
 }

@@ -31,7 +31,7 @@ impl Robot {
     }
 
     /// The link of the file whose frame is the flange's; of several the last.
-    pub fn flange_link(&self, file: &Description) -> Option<String> {
+    pub(crate) fn flange_link(&self, file: &Description) -> Option<String> {
         let is_here = |link: &str| {
             let at = self.with_flange_at(file, link).ok();
             at.is_some_and(|at| at.tip() == self.tip() && at.flange.is_near(&self.flange, ROUNDING))

@@ -6,7 +6,7 @@ use crate::robot::JointKind;
 
 impl Description {
     /// The joints that move by themselves, branch by branch outwards, children of a link in the order of the file.
-    pub fn masters(&self) -> Vec<&JointDescription> {
+    pub(crate) fn masters(&self) -> Vec<&JointDescription> {
         let free = |joint: &&JointDescription| joint.kind().is_some() && self.leader(joint).0.name == joint.name;
         self.depth_first().into_iter().map(|joint| &self.joints[joint]).filter(free).collect()
     }
@@ -32,7 +32,7 @@ impl Description {
     ///
     /// # Errors
     /// If there is no such link; the error lists the links there are.
-    pub fn path_to(&self, link: &str) -> Result<Vec<&JointDescription>> {
+    pub(crate) fn path_to(&self, link: &str) -> Result<Vec<&JointDescription>> {
         let mut at = self.link(link)?;
         let mut path = Vec::new();
         while let Some(joint) = self.joint_above(at) {
@@ -55,7 +55,7 @@ impl Description {
 
     /// The joints that move by themselves between the base and some link, for every link where they are `count`; also without a lift or
     /// rail on which the arm stands, whose joints slide.
-    pub fn chains_of(&self, count: usize) -> Vec<Vec<String>> {
+    pub(crate) fn chains_of(&self, count: usize) -> Vec<Vec<String>> {
         let masters: Vec<&str> = self.masters().iter().map(|joint| joint.name.as_str()).collect();
         let chain = |link: &LinkDescription| {
             let path = self.path_to(&link.name).unwrap_or_default();

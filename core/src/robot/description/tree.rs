@@ -193,12 +193,12 @@ impl Description {
     }
 
     /// The joint above a link.
-    pub fn joint_above(&self, link: usize) -> Option<usize> {
+    pub(crate) fn joint_above(&self, link: usize) -> Option<usize> {
         self.joints.iter().position(|joint| joint.child == link)
     }
 
     /// The joints that hang on a link, in the order of the file.
-    pub fn joints_on(&self, link: usize) -> impl Iterator<Item = usize> {
+    pub(crate) fn joints_on(&self, link: usize) -> impl Iterator<Item = usize> {
         (0..self.joints.len()).filter(move |&joint| self.joints[joint].parent == link)
     }
 }

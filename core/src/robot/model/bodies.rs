@@ -31,7 +31,7 @@ impl Robot {
     ///
     /// # Panics
     /// If there is no such body.
-    pub fn body_mut(&mut self, body: usize) -> &mut Joint {
+    pub(crate) fn body_mut(&mut self, body: usize) -> &mut Joint {
         match (body.checked_sub(self.joints.len()), &mut self.tree) {
             (Some(follower), Some(tree)) => &mut tree.followers[follower].joint,
             _ => &mut self.joints[body],

@@ -80,7 +80,7 @@ impl Inertia {
     }
 
     /// The same body seen from a parent frame, in which this frame stands at `translation`, turned by `rotation`.
-    pub fn seen_from_parent(&self, rotation: &Matrix3<f64>, translation: &Vector3<f64>) -> Self {
+    pub(crate) fn seen_from_parent(&self, rotation: &Matrix3<f64>, translation: &Vector3<f64>) -> Self {
         Self::from_center_of_mass(
             self.mass(),
             rotation * self.center_of_mass() + translation,

@@ -30,7 +30,7 @@ impl Pose {
     }
 
     /// Whether no entry of another pose is farther from this one's.
-    pub fn is_near(&self, other: &Pose, far: f64) -> bool {
+    pub(crate) fn is_near(&self, other: &Pose, far: f64) -> bool {
         (self.rotation - other.rotation).amax() <= far && (self.translation - other.translation).amax() <= far
     }
 

@@ -21,7 +21,7 @@ impl Joint {
     }
 
     /// Unit of the joint's velocity.
-    pub fn velocity_unit(&self) -> &'static str {
+    pub(crate) fn velocity_unit(&self) -> &'static str {
         self.kind.unit(Unit::Velocity)
     }
 

@@ -9,7 +9,7 @@ const BINS: usize = 20;
 /// Rows in a block (one second).
 const BLOCK: usize = 50;
 
-/// Share from which on a variable is worth naming.
+/// Share from which on the console reports another variable than time. No finding or verdict depends on it.
 const WORTH_NAMING: f64 = 0.2;
 
 /// Where the residual of one joint lives.

@@ -36,7 +36,7 @@ pub struct Candidate {
 
 impl Candidate {
     /// Whether the only column makes sense with a positive value only.
-    pub fn one_sided(&self) -> bool {
+    pub(crate) fn one_sided(&self) -> bool {
         let parameters = self.placed.effect.parameters();
         matches!(linear(self.placed.effect).as_slice(), [only] if parameters[*only].lower == 0.0)
     }
@@ -50,12 +50,12 @@ impl Candidate {
     }
 
     /// Whether it has torque on any of `joints`.
-    pub fn acts_on(&self, joints: &[usize]) -> bool {
+    pub(crate) fn acts_on(&self, joints: &[usize]) -> bool {
         self.joints().iter().any(|joint| joints.contains(joint))
     }
 
     /// What it is, whatever its parameters, and where it acts.
-    pub fn slot(&self) -> Slot {
+    pub(crate) fn slot(&self) -> Slot {
         (self.family(), self.log)
     }
 

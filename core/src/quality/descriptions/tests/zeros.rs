@@ -3,7 +3,7 @@
 use super::*;
 use crate::quality::Severity;
 use crate::quality::descriptions::fitting::{Physics, Rows};
-use crate::quality::descriptions::settle::{are_of_bodies, opposite_zeros};
+use crate::quality::descriptions::search::{are_of_bodies, opposite_zeros};
 use crate::quality::descriptions::tried::Tried;
 
 /// The offsets of a verdict, degrees, by joint.

@@ -13,4 +13,5 @@ mod write;
 
 pub use read::read;
 pub(in crate::recording) use table::Table;
-pub use write::{write, write_named};
+pub use write::write;
+pub(crate) use write::write_named;

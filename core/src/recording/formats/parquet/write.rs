@@ -28,7 +28,7 @@ pub fn write(path: &Path, recording: &Recording) -> Result<()> {
 ///
 /// # Errors
 /// As [`write()`].
-pub fn write_named(path: &Path, recording: &Recording) -> Result<()> {
+pub(crate) fn write_named(path: &Path, recording: &Recording) -> Result<()> {
     match written::named(recording)? {
         Some(columns) => write_columns(path, recording, &columns),
         None => write(path, recording),

@@ -1,10 +1,10 @@
 //! Savitzky-Golay filter: least-squares polynomial over a sliding window, for the smoothed signal or one derivative.
 
-use super::check_same_length;
 use super::gram::Gram;
 use super::sliding;
 use crate::error::{Error, Result};
 use crate::lane::Lanes;
+use crate::signal::{check_same_length, downsample};
 use std::f64::consts::TAU;
 
 const SUBJECT: &str = "Savitzky-Golay filter";
@@ -194,11 +194,11 @@ impl SavitzkyGolay {
     ///
     /// # Errors
     /// As [`SavitzkyGolay::apply`]; when `step` is zero.
-    pub fn apply_every(&self, input: &[f64], step: usize) -> Result<Vec<f64>> {
+    pub(crate) fn apply_every(&self, input: &[f64], step: usize) -> Result<Vec<f64>> {
         if step <= 1 {
             let mut output = vec![0.0; input.len()];
             self.apply(input, &mut output)?;
-            return super::downsample(&output, step);
+            return downsample(&output, step);
         }
         self.check(input, input)?;
         let mut output = vec![0.0; input.len().div_ceil(step)];
@@ -207,7 +207,7 @@ impl SavitzkyGolay {
     }
 
     /// Outputs `first`, `first + step`, ..., one per place of `output`.
-    pub(super) fn rows(&self, input: &[f64], first: usize, step: usize, output: &mut [f64]) {
+    pub(in crate::signal) fn rows(&self, input: &[f64], first: usize, step: usize, output: &mut [f64]) {
         let (n, rows) = (input.len(), output.len());
         // The rows whose windows lie inside.
         let begin = self.half.saturating_sub(first).div_ceil(step).min(rows);
@@ -279,7 +279,7 @@ impl SavitzkyGolay {
 
     /// The response at `hz` as (real, imaginary): a sinusoid of that frequency comes out multiplied by it. Real for
     /// even derivatives and imaginary for odd ones; compare with (j 2 pi hz)^derivative for the ideal.
-    pub fn frequency_response(&self, hz: f64) -> (f64, f64) {
+    pub(crate) fn frequency_response(&self, hz: f64) -> (f64, f64) {
         let step = TAU * hz * self.sample_period_s;
         let after_centre = self.weights.iter().enumerate().skip(1);
         if self.is_odd() {

@@ -1,5 +1,9 @@
 //! `inspect` and `identify` on logs of other programs.
 
+mod files;
+mod headers;
+mod inputs;
+
 use super::{Case, assert_done, assert_refusal, text};
 use std::fmt::Write;
 

@@ -1,8 +1,9 @@
 //! The Savitzky-Golay window that suits the noise of positions: long enough to hold it down in the accelerations, short enough not
 //! to bend them.
 
-use super::{Edge, SavitzkyGolay, noise_floor};
+use super::smoother::{Edge, SavitzkyGolay};
 use crate::error::{Error, Result};
+use crate::signal::noise_floor;
 
 /// Ratio of a window to the next shorter one that is tried; the standard deviation of the noise falls by a fifth from one to the next.
 const STEP: f64 = 1.090_507_732_665_257_7;
@@ -84,8 +85,8 @@ pub fn window_by_noise(signals: &[&[f64]], order: usize, longest: usize) -> Resu
 }
 
 /// Frequency, Hz, up to which a smoother (derivative 0) passes more than half of an amplitude, for signals sampled at `rate_hz`: the
-/// cut-off of the [`super::ZeroPhaseLowPass`] that it is like. Half the rate where it passes as much of everything.
-pub fn half_gain_hz(smoother: &SavitzkyGolay, rate_hz: f64) -> f64 {
+/// cut-off of the [`crate::signal::ZeroPhaseLowPass`] that it is like. Half the rate where it passes as much of everything.
+pub(crate) fn half_gain_hz(smoother: &SavitzkyGolay, rate_hz: f64) -> f64 {
     /// Steps up to half the rate, of which the first crossing is halved until it is exact to rounding.
     const STEPS: usize = 4000;
     const HALVINGS: usize = 60;

@@ -1,7 +1,7 @@
 //! Headers of other programs, and the order of rows: what each is read as.
 
-use super::inspect::{one_joint, sines};
-use super::{Case, ROOT, assert_done, text};
+use super::{one_joint, sines};
+use crate::{Case, ROOT, assert_done, text};
 
 /// What `inspect` prints of a log.
 fn inspected(case: &Case, content: &str, arguments: &[&str]) -> String {

@@ -4,16 +4,16 @@
 //! blocks, and a set replaces a smaller one only where the paired comparison finds it clearly better. Sets of the same size
 //! that are not separable from the best are its rivals.
 
-use super::change::Description;
-use super::compare::{Comparison, EXPLAINED, EXPLAINED_ALONE, compare};
-use super::fitting::{Fit, Physics, Rows};
-use super::jumps::contradicts;
-use super::known::Known;
-use super::shares::ALIKE;
-use super::sizes::factors;
-use super::sizes::tilt;
-use super::sizes::zeros;
-use super::tried::Tried;
+use crate::quality::descriptions::change::Description;
+use crate::quality::descriptions::compare::{Comparison, EXPLAINED, EXPLAINED_ALONE, compare};
+use crate::quality::descriptions::fitting::{Fit, Physics, Rows};
+use crate::quality::descriptions::jumps::contradicts;
+use crate::quality::descriptions::known::Known;
+use crate::quality::descriptions::shares::ALIKE;
+use crate::quality::descriptions::sizes::factors;
+use crate::quality::descriptions::sizes::tilt;
+use crate::quality::descriptions::sizes::zeros;
+use crate::quality::descriptions::tried::Tried;
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
@@ -36,7 +36,7 @@ const PATIENCE: usize = 2;
 const CLEAN: f64 = 0.04;
 
 /// The outcome of a search that found something.
-pub(super) struct Found {
+pub(in crate::quality::descriptions) struct Found {
     /// The smallest set of changes.
     pub best: Tried,
     /// Sets of the same size that are not clearly worse.
@@ -50,7 +50,7 @@ pub(super) struct Found {
 }
 
 /// The outcome of a search.
-pub(super) struct Outcome {
+pub(in crate::quality::descriptions) struct Outcome {
     /// The logs as they are.
     pub start: Tried,
     /// What explains them clearly better.
@@ -79,7 +79,7 @@ impl Found {
     }
 
     /// The same with the simplest of the best and its rivals in front.
-    pub(super) fn simplest_first(mut self) -> Found {
+    pub(in crate::quality::descriptions) fn simplest_first(mut self) -> Found {
         let rank = |tried: &Tried| tried.description.changes.iter().map(|change| change.rank()).sum::<usize>();
         for rival in &mut self.rivals {
             if rank(rival) < rank(&self.best) {
@@ -92,7 +92,12 @@ impl Found {
 
 /// Searches from the description `start` under what is `known` of the arm.
 /// `with_motion` are the torques that jump with the motion at reversals.
-pub(super) fn search(known: Known, rows: &Rows, with_motion: &[bool], start: Description) -> Option<Outcome> {
+pub(in crate::quality::descriptions) fn search(
+    known: Known,
+    rows: &Rows,
+    with_motion: &[bool],
+    start: Description,
+) -> Option<Outcome> {
     let physics = known.physics;
     let start = Tried::new(physics, rows, start)?;
     let explained = |tried: &Tried| tried.evaluation.unexplained.iter().flatten().all(|share| *share < CLEAN);

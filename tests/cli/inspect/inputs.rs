@@ -1,7 +1,7 @@
 //! Bad input: every refusal names the file and line, the key or the joint, and leaves nothing behind.
 
-use super::inspect::{ARM, one_joint, sines};
-use super::{Case, ROOT, assert_done, assert_refusal, text};
+use super::{ARM, one_joint, sines};
+use crate::{Case, ROOT, assert_done, assert_refusal, text};
 
 #[test]
 fn scenario_keys() {

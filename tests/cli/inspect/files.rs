@@ -1,7 +1,7 @@
 //! Files that are not there, that cannot be written, that do not name their columns, and several that are one log.
 
-use super::inspect::{ARM, one_joint, sines};
-use super::{Case, ROOT, assert_done, assert_refusal, text};
+use super::{ARM, one_joint, sines};
+use crate::{Case, ROOT, assert_done, assert_refusal, text};
 
 /// Rows of time, position and torque.
 fn rows() -> String {

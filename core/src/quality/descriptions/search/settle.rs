@@ -1,14 +1,14 @@
 //! Sets of changes that the logs do not separate, compared by what else is known of the arm.
 
-use super::change::{Change, Description};
-use super::compare::{EXPLAINED, compare};
-use super::fitting::{Physics, Rows};
-use super::known::Known;
-use super::search::{Found, Outcome};
-use super::shares::{ALIKE, WRONG_MASSES};
-use super::sizes::{tilt, zeros};
-use super::tried::Tried;
-use super::weights;
+use super::smallest::{Found, Outcome};
+use crate::quality::descriptions::change::{Change, Description};
+use crate::quality::descriptions::compare::{EXPLAINED, compare};
+use crate::quality::descriptions::fitting::{Physics, Rows};
+use crate::quality::descriptions::known::Known;
+use crate::quality::descriptions::shares::{ALIKE, WRONG_MASSES};
+use crate::quality::descriptions::sizes::{tilt, zeros};
+use crate::quality::descriptions::tried::Tried;
+use crate::quality::descriptions::weights;
 
 /// Described bodies are those of the torques where they leave no more than so many times what free ones do: centres of mass that are off by
 /// centimetres turn the weight of a link as zeros do, and zeros of two axes make up for a part of any wrong bodies. Under bodies that are
@@ -23,7 +23,12 @@ const ABOUT: f64 = 0.03;
 
 /// An outcome with all directions of gravity that the mechanism does not separate, whose rivals are compared by the limits of the joints,
 /// under the described bodies where these explain the torques, and by the weights that drives would carry. `known` is what the search knew.
-pub(super) fn settled(known: Known, bodies: Option<&Physics>, rows: &Rows, mut outcome: Outcome) -> Outcome {
+pub(in crate::quality::descriptions) fn settled(
+    known: Known,
+    bodies: Option<&Physics>,
+    rows: &Rows,
+    mut outcome: Outcome,
+) -> Outcome {
     outcome.found = outcome.found.take().map(|found| {
         let mut found = within_limits(rows, with_directions(known.physics, rows, found));
         let Some(bodies) = bodies else { return found };
@@ -84,7 +89,12 @@ fn with_directions(physics: &Physics, rows: &Rows, mut found: Found) -> Found {
 
 /// Whether zeros that described bodies show, if there are any, are those of bodies that are described rightly: with them these leave about
 /// as much of the torques as free ones do. `found` is what was found under the described bodies.
-pub(super) fn are_of_bodies(free: &Physics, rows: &Rows, start: &Description, found: &Tried) -> bool {
+pub(in crate::quality::descriptions) fn are_of_bodies(
+    free: &Physics,
+    rows: &Rows,
+    start: &Description,
+    found: &Tried,
+) -> bool {
     let has_zero = found.description.changes.iter().any(|change| matches!(change, Change::ZeroOffset(..)));
     let by_free = |description: &Description| {
         Tried::new(free, rows, description.clone()).map_or(f64::INFINITY, |tried| tried.share())
@@ -116,7 +126,12 @@ fn with_zeros_of(bodies: &Physics, free: &Physics, rows: &Rows, mut found: Found
 /// Zeros of two neighbours that make up for each other, where the described bodies explain the torques by them and far from that without,
 /// and free ones no worse: these see the sum of the zeros of parallel axes, which is none.
 /// `before` are the logs as they are under the described bodies.
-pub(super) fn opposite_zeros(bodies: &Physics, free: &Physics, rows: &Rows, before: &Tried) -> Option<Found> {
+pub(in crate::quality::descriptions) fn opposite_zeros(
+    bodies: &Physics,
+    free: &Physics,
+    rows: &Rows,
+    before: &Tried,
+) -> Option<Found> {
     let under = |physics: &Physics, description: &Description| Tried::new(physics, rows, description.clone());
     let start = &before.description;
     let is_unlike = before.evaluation.unexplained.iter().flatten().any(|share| *share >= ALIKE);

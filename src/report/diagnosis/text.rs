@@ -285,37 +285,31 @@ fn where_it_lives(robot: &Robot, diagnosis: &Diagnosis) -> Option<String> {
     ))
 }
 
-/// The table of held-out errors.
+/// The table of held-out errors; those of fitted models are left out where the training logs do not determine the torque.
 fn error_table(robot: &Robot, diagnosis: &Diagnosis, resimulation: Option<&Resimulation>) -> String {
-    let found = !diagnosis.found.is_empty();
+    let errors = &diagnosis.errors;
     let identified = if diagnosis.scope.against_reference { "before the change" } else { "re-identified" };
     let (unit, names) = by_joint(robot);
-    let title = format!("held-out rms, {unit}");
-    let mut header = vec![title.as_str(), "torque", "as described", identified];
-    let mut columns = vec![
-        &diagnosis.errors.test_torque_rms,
-        &diagnosis.errors.simulation_test_rms,
-        &diagnosis.errors.baseline_rms[1],
+    let given = |title: &str, values| (title.to_owned(), values, false);
+    let fitted = |title: &str, values| (title.to_owned(), values, true);
+    let mut columns: Vec<(String, &Vec<f64>, bool)> = vec![
+        given("torque", &errors.test_torque_rms),
+        given("as described", &errors.simulation_test_rms),
+        fitted(identified, &errors.baseline_rms[1]),
     ];
-    if found {
-        header.push("with findings");
-        columns.push(&diagnosis.errors.extended_test_rms);
-    }
-    let simulated = resimulation.map(|run| format!("in {}", run.engine.name));
-    if let (Some(run), Some(simulated)) = (resimulation, &simulated) {
-        header.push(simulated);
-        columns.push(&run.extended_rms);
-    }
-    header.push("noise");
-    columns.push(&diagnosis.errors.noise_floor);
-    header.push("of sensor");
-    columns.push(&diagnosis.errors.sensor_noise);
+    columns.extend((!diagnosis.found.is_empty()).then(|| fitted("with findings", &errors.extended_test_rms)));
+    columns.extend(resimulation.map(|run| (format!("in {}", run.engine.name), &run.extended_rms, false)));
+    columns.extend([given("noise", &errors.noise_floor), given("of sensor", &errors.sensor_noise)]);
     let rows = names.into_iter().enumerate().map(|(joint, name)| {
-        let value =
-            |value: f64| if diagnosis.logs.equations[joint] { significant(value) } else { significant(f64::NAN) };
-        let values = columns.iter().map(|column| value(column[joint]));
-        [name].into_iter().chain(values).collect()
+        let value = |(_, values, fitted): &(String, &Vec<f64>, bool)| {
+            let is_known = diagnosis.logs.equations[joint] && (!fitted || errors.are_determined(joint));
+            significant(if is_known { values[joint] } else { f64::NAN })
+        };
+        [name].into_iter().chain(columns.iter().map(value)).collect()
     });
+    let title = format!("held-out rms, {unit}");
+    let header: Vec<&str> =
+        std::iter::once(title.as_str()).chain(columns.iter().map(|(title, ..)| title.as_str())).collect();
     table(&header, rows.collect())
 }
 

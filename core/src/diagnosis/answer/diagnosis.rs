@@ -145,6 +145,14 @@ pub struct Errors {
     pub structure: [Vec<ResidualStructure>; 2],
 }
 
+impl Errors {
+    /// Whether the training logs determine the held-out torque of a joint: its prediction is uncertain by less than the torque itself.
+    /// Else the residuals of fitted models say nothing of the arm there.
+    pub fn are_determined(&self, joint: usize) -> bool {
+        self.prediction_std[joint] <= self.test_torque_rms[joint]
+    }
+}
+
 /// What was found.
 ///
 /// ```

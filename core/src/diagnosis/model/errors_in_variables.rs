@@ -27,6 +27,9 @@ pub(crate) struct ErrorsInVariables {
     /// The torque of loads that were found, on each joint: drives show it with gains of their own, so that one load leaves a share of
     /// its torque on every joint.
     pub loads: Vec<Column>,
+    /// Torque of errors of the fitted parameters that change what the model predicts here by more than the noise: training logs that excite
+    /// a direction too little leave it open, and held-out logs show it.
+    pub parameters: Nuisances,
     /// Standard deviation of the factor of `bend`, s2: noise near the lowest cut-off of the positions is in the torque and, more by the
     /// square of the angular frequency, in its second derivative.
     bend_spread: f64,
@@ -40,11 +43,11 @@ pub(crate) struct Nuisances {
 }
 
 impl ErrorsInVariables {
-    /// Along the motion of `rows`, of an arm that carries loads with the torque `loads`.
+    /// Along the motion of `rows`, of an arm that carries loads with the torque `loads`; `parameters` are errors of the fit that matter there.
     ///
     /// # Errors
     /// If a log is too short to differentiate.
-    pub(crate) fn new(arm: &Arm, rows: &Rows, loads: Column) -> Result<Self> {
+    pub(crate) fn new(arm: &Arm, rows: &Rows, loads: Column, parameters: Nuisances) -> Result<Self> {
         let along = arm.along(rows);
         let cutoffs_hz = rows.logs.iter().flat_map(|log| &log.low_pass).map(ZeroPhaseLowPass::cutoff_hz);
         let lowest_hz = cutoffs_hz.fold(f64::INFINITY, f64::min);
@@ -55,6 +58,7 @@ impl ErrorsInVariables {
             beyond: if is_smoother { of_joints(arm.departure(rows, &along, whole)?) } else { Vec::new() },
             bend: of_joints(arm.bend(rows)?),
             loads: of_joints(loads),
+            parameters,
             bend_spread: (TAU * lowest_hz).powi(-2),
         })
     }
@@ -63,6 +67,7 @@ impl ErrorsInVariables {
     pub(crate) fn all(&self) -> Nuisances {
         let mut all = Nuisances::default();
         [&self.smoothing, &self.beyond, &self.bend].into_iter().for_each(|columns| all.add(columns, f64::INFINITY));
+        all.extend(&self.parameters);
         all
     }
 
@@ -82,6 +87,7 @@ impl ErrorsInVariables {
             if is_shift(placed.effect) { (f64::INFINITY, f64::INFINITY) } else { (1.0, self.bend_spread) };
         nuisances.add(&self.smoothing, error);
         nuisances.add(&self.beyond, error);
+        nuisances.extend(&self.parameters);
         if !placed.effect.is_load() {
             nuisances.add(&self.loads, GAIN_SPREAD);
         }
@@ -100,6 +106,12 @@ impl Nuisances {
     pub(crate) fn add(&mut self, columns: &[Column], spread: f64) {
         self.columns.extend_from_slice(columns);
         self.spread.resize(self.columns.len(), spread);
+    }
+
+    /// Adds all of another's.
+    pub(crate) fn extend(&mut self, others: &Nuisances) {
+        self.columns.extend_from_slice(&others.columns);
+        self.spread.extend_from_slice(&others.spread);
     }
 
     /// The columns alone.

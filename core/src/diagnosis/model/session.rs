@@ -151,7 +151,19 @@ impl<'a> Session<'a> {
                 }
             }
         }
-        self.renew_errors(members)
+        let parameters = self.errors_of_prediction(&solved, members, whitener)?;
+        self.renew_errors_with(members, parameters)
+    }
+
+    /// Errors of the fitted parameters that change the prediction of the held-out rows of a joint by more than its noise.
+    fn errors_of_prediction(&self, solved: &Solved, members: &[Member], whitener: &Whitener) -> Result<Nuisances> {
+        let test = &self.logs.test;
+        let columns = self.model.columns(test, members)?;
+        let mut errors = Nuisances::default();
+        for (factors, spread) in solved.errors_of_prediction(&columns, &test.rows.valid, &whitener.noise_std()) {
+            errors.add(&[combined(&columns, &factors)], spread);
+        }
+        Ok(errors)
     }
 
     /// Takes errors in variables along the logs for the arm as it is, with the loads among `members`.
@@ -159,8 +171,14 @@ impl<'a> Session<'a> {
     /// # Errors
     /// If a log is too short to differentiate.
     pub(crate) fn renew_errors(&mut self, members: &[Member]) -> Result<()> {
+        let parameters = std::mem::take(&mut self.errors[1].parameters);
+        self.renew_errors_with(members, parameters)
+    }
+
+    /// The same with `parameters`, errors of the fit that matter along the held-out logs.
+    fn renew_errors_with(&mut self, members: &[Member], parameters: Nuisances) -> Result<()> {
         let ArmModel { arm, .. } = &self.model;
-        let along = |data: &DataSet| {
+        let along = |data: &DataSet, parameters: Nuisances| {
             let mut loads = Column::default();
             for Member { candidate, factors, .. } in members.iter().filter(|member| member.placed.effect.is_load()) {
                 let placed = std::slice::from_ref(&candidate.placed);
@@ -168,9 +186,9 @@ impl<'a> Session<'a> {
                     loads.add(1.0, &combined(&columns, factors));
                 }
             }
-            ErrorsInVariables::new(arm, &data.rows, loads)
+            ErrorsInVariables::new(arm, &data.rows, loads, parameters)
         };
-        self.errors = [along(&self.logs.train)?, along(&self.logs.test)?];
+        self.errors = [along(&self.logs.train, Nuisances::default())?, along(&self.logs.test, parameters)?];
         Ok(())
     }
 

@@ -72,23 +72,58 @@ impl Solved {
     /// predict there with these factors; infinite where that rests on directions that the fitted rows do not determine.
     pub(crate) fn prediction_std(&self, columns: &[Column], valid: &[Vec<bool>]) -> Vec<f64> {
         let of_joint = |(joint, valid): (usize, &Vec<bool>)| {
-            let rows: Vec<usize> = (0..valid.len()).filter(|&row| valid[row]).collect();
-            let mut along = DMatrix::zeros(rows.len(), columns.len());
-            for (place, column) in columns.iter().enumerate() {
-                let Some(values) = column.part(joint) else { continue };
-                rows.iter().enumerate().for_each(|(k, &row)| along[(k, place)] = values[row] / self.norms[place]);
-            }
-            let along = along * &self.directions;
+            let along = self.along(columns, joint, valid);
             let squares = (0..along.ncols()).map(|k| along.column(k).norm_squared());
             let (mut determined, mut open) = (0.0, 0.0);
             for (square, variance) in squares.zip(&self.variances) {
                 determined += square * variance;
                 open += if *variance == 0.0 { square } else { 0.0 };
             }
-            let mean = (determined / rows.len().max(1) as f64).sqrt();
+            let mean = (determined / along.nrows().max(1) as f64).sqrt();
             if open > UNDETERMINED * along.norm_squared() { f64::INFINITY } else { mean }
         };
         valid.iter().enumerate().map(of_joint).collect()
+    }
+
+    /// Errors of the factors that matter to what the first `columns` predict: along principal directions, one standard deviation each, where
+    /// they change the prediction on the rows of some joint that count by more than `limit`, root mean square. With the prior standard
+    /// deviation of their size: one, or infinite where the fitted rows do not determine the direction.
+    pub(crate) fn errors_of_prediction(
+        &self,
+        columns: &[Column],
+        valid: &[Vec<bool>],
+        limit: &[f64],
+    ) -> Vec<(Vec<f64>, f64)> {
+        let shares: Vec<(DMatrix<f64>, f64)> =
+            (0..valid.len()).map(|joint| (self.along(columns, joint, &valid[joint]), limit[joint])).collect();
+        let most = self.variances.max();
+        let matters = |k: usize| {
+            let (variance, spread) = match self.variances[k] {
+                0.0 => (most, f64::INFINITY),
+                variance => (variance, 1.0),
+            };
+            let exceeds = |(along, limit): &(DMatrix<f64>, f64)| {
+                let square = along.column(k).norm_squared();
+                let is_open = spread == 1.0 || square > UNDETERMINED * along.norm_squared();
+                is_open && (square * variance / along.nrows().max(1) as f64).sqrt() > *limit
+            };
+            shares.iter().any(exceeds).then(|| {
+                let factor = |place: usize| self.directions[(place, k)] * variance.sqrt() / self.norms[place];
+                ((0..columns.len()).map(factor).collect(), spread)
+            })
+        };
+        (0..self.variances.len()).filter_map(matters).collect()
+    }
+
+    /// Torque of a joint along the principal directions, by the first `columns`, on the rows that count, `[row][direction]`.
+    fn along(&self, columns: &[Column], joint: usize, valid: &[bool]) -> DMatrix<f64> {
+        let rows: Vec<usize> = (0..valid.len()).filter(|&row| valid[row]).collect();
+        let mut along = DMatrix::zeros(rows.len(), columns.len());
+        for (place, column) in columns.iter().enumerate() {
+            let Some(values) = column.part(joint) else { continue };
+            rows.iter().enumerate().for_each(|(k, &row)| along[(k, place)] = values[row] / self.norms[place]);
+        }
+        along * self.directions.rows(0, columns.len())
     }
 
     /// Standard deviation of a factor.
@@ -204,6 +239,24 @@ mod tests {
         assert!((std[0] - (0.25f64 * 25.0 / 2.0).sqrt()).abs() < 1e-12 && (std[1] - 1.0).abs() < 1e-12, "{std:?}");
         let apart = [first, on_both(none(), vec![1.0; 3]), Column::default(), Column::default()];
         assert_eq!(solved.prediction_std(&apart, &valid)[1], f64::INFINITY);
+    }
+
+    #[test]
+    fn errors_of_a_prediction_matter_beyond_a_limit() {
+        let solved = solved();
+        let valid = [vec![true; 2]];
+        let on = |values: [f64; 2]| Column::on(0, values.to_vec());
+        // One standard deviation of the first factor, a half, is 1.5 and 2: a root mean square of 1.77.
+        let columns = [on([3.0, 4.0]), Column::default(), Column::default(), Column::default()];
+        let matter = |limit: f64| solved.errors_of_prediction(&columns, &valid, &[limit]);
+        let [(factors, spread)] = &matter(1.76)[..] else { panic!("{:?}", matter(1.76)) };
+        assert!((factors[0].abs() - 0.5).abs() < 1e-12 && *spread == 1.0);
+        assert!(matter(1.78).is_empty());
+        // Of the second and the third only the sum is determined, by a standard deviation of one.
+        let apart = [Column::default(), on([1.0, 1.0]), Column::default(), Column::default()];
+        let open: Vec<f64> =
+            solved.errors_of_prediction(&apart, &valid, &[0.1]).iter().map(|(_, spread)| *spread).collect();
+        assert!(open.contains(&f64::INFINITY), "{open:?}");
     }
 
     #[test]

@@ -166,17 +166,19 @@ fn how_far(robot: &Robot, diagnosis: &Diagnosis, resimulation: Option<&Resimulat
         };
         let torque = diagnosis.errors.test_torque_rms[j];
         let name = format!("{}, {}", joint.name, joint.effort_unit());
+        // Fitted models say nothing where the training logs do not determine the torque.
+        let fitted = |rms: f64| significant(if diagnosis.errors.are_determined(j) { rms } else { f64::NAN });
         let mut row = vec![
             name,
             significant(torque),
             significant(diagnosis.errors.simulation_test_rms[j]),
-            significant(diagnosis.errors.baseline_rms[1][j]),
+            fitted(diagnosis.errors.baseline_rms[1][j]),
         ];
         if !diagnosis.found.is_empty() {
-            row.push(significant(last));
+            row.push(fitted(last));
         }
         row.extend(resimulation.map(|run| significant(run.extended_rms[j])));
-        row.extend([significant(floor), format!("{:.2}", last / floor)]);
+        row.extend([significant(floor), fitted(last / floor)]);
         if !diagnosis.logs.equations[j] {
             row[1..].fill("-".to_owned());
         }

@@ -298,7 +298,7 @@ fn answer<'a>(
     let next_experiment = next_experiment(
         &found,
         &unexplained,
-        session.model.base.robot(),
+        (session.model.base.robot(), session.model.trust),
         [&simulation_test_rms, &extended_test_rms],
         &options.criteria.levels,
     );

@@ -13,6 +13,7 @@ use crate::diagnosis::search::{Found, Rejected, Verdict};
 use crate::diagnosis::variance::ResidualMap;
 use crate::effects::{Nature, Rounding};
 use crate::error::Result;
+use crate::identification::effect_model::Trust;
 use crate::payload::Payload;
 use crate::robot::Robot;
 
@@ -310,7 +311,7 @@ pub(super) fn beyond_sampling(session: &Session, found: &Found, noise: &[f64]) -
 pub(super) fn next_experiment(
     found: &[Found],
     unexplained: &[Unexplained],
-    robot: &Robot,
+    (robot, trust): (&Robot, Trust),
     [described, left]: [&[f64]; 2],
     levels: &Levels,
 ) -> String {
@@ -341,6 +342,12 @@ pub(super) fn next_experiment(
     let off = |joint: usize| described[joint] / left[joint];
     let worst = (0..robot.dof()).max_by(|&a, &b| off(a).total_cmp(&off(b))).filter(|&joint| off(joint) > levels.far);
     match (found.is_empty(), worst) {
+        (true, Some(joint)) if trust == Trust::Nominal => format!(
+            "the friction and the rotors of the description are off (the residual of {} is {:.1} times that with re-identified ones): \
+             extended.urdf holds these",
+            robot.joints[joint].name,
+            off(joint)
+        ),
         (true, Some(joint)) if robot.placeholders().is_some() => format!(
             "the inertias of the description are placeholders, which leaves {:.1} times as much on {} as re-identified inertias and friction do: \
              extended.urdf holds these",

@@ -6,6 +6,7 @@ use super::structure::{Fitted, Place, Replaced, Under, Unexplained, is_weighed};
 use crate::diagnosis::criteria::{Gate, Judgement};
 use crate::diagnosis::evidence::{Block, Reach, blocks, slow_cosines};
 use crate::diagnosis::model::{PreparedLogs, Session};
+use crate::diagnosis::regression::rms;
 use crate::diagnosis::search::Selection;
 use crate::error::Result;
 use rayon::prelude::*;
@@ -20,12 +21,26 @@ const OTHER_KINDS: usize = 2;
 
 /// Tests every joint for structure at a family-wise level; it must also show in the held-out logs.
 ///
+/// A controller feeds the noise of its encoders back, and the torque that makes goes with the motion. A residual that is no larger than the
+/// white noise of the torque has no structure to report; findings are compared with it all the same.
+///
 /// # Errors
 /// If a log is too short to differentiate.
 pub(crate) fn unexplained(session: &Session, selection: &Selection, alpha: f64) -> Result<Vec<Unexplained>> {
     let model = Fitted::new(session, selection, alpha)?;
-    let each: Vec<Option<Unexplained>> =
-        (0..session.logs.train.rows.dof()).into_par_iter().map(|joint| model.left_on(joint)).collect();
+    let PreparedLogs { train, test, .. } = &session.logs;
+    let residual = rms(&test.rows.valid, &selection.held_out);
+    let above_sensor = |joint: usize| {
+        let noise = train.rows.sensor_noise(joint, 1).max(test.rows.sensor_noise(joint, 1));
+        Judgement::at_least(Gate::AboveExpected, residual[joint] / noise, 1.0 + session.criteria.share_of_excess)
+    };
+    let on = |joint: usize| {
+        let mut left = model.left_on(joint)?;
+        let above = above_sensor(joint);
+        left.passed.push(above);
+        (above.passed || !left.instead_of.is_empty()).then_some(left)
+    };
+    let each: Vec<Option<Unexplained>> = (0..train.rows.dof()).into_par_iter().map(on).collect();
     Ok(each.into_iter().flatten().collect())
 }
 

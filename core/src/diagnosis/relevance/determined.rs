@@ -55,19 +55,19 @@ fn undetermined(member: &Member, change: bool, levels: &Levels) -> Option<usize>
         let Parameter { role, lower, upper, .. } = parameters[*index];
         role == Role::Amplitude && ((lower == 0.0 && value(*index) < 0.0) || (upper == 0.0 && value(*index) > 0.0))
     };
-    // One amplitude must stay.
+    let scale = |index: usize| value(index).abs().max(0.1 * parameters[index].typical.abs());
+    let relative = |index: &usize| std(*index) / scale(*index);
+    let open = shapes(effect).into_iter().filter(is_free);
+    let least = open.max_by(|a, b| relative(a).total_cmp(&relative(b)));
+    // One amplitude must stay. A shape that is not determined makes any amplitude out of the others.
     if amplitudes.len() > 1 && !change {
         let surest = |a: &usize, b: &usize| (value(*a) / std(*a)).abs().total_cmp(&(value(*b) / std(*b)).abs());
         if let Some(index) = amplitudes.iter().copied().filter(impossible).max_by(surest) {
-            return Some(index);
+            let is_open = |shape: &usize| relative(shape) * levels.significant_std() > 1.0;
+            return least.filter(is_open).or(Some(index));
         }
     }
-    if member.is_sized(levels) {
-        return None;
-    }
-    let scale = |index: usize| value(index).abs().max(0.1 * parameters[index].typical.abs());
-    let open = shapes(effect).into_iter().filter(is_free);
-    open.max_by(|&a, &b| (std(a) / scale(a)).total_cmp(&(std(b) / scale(b))))
+    if member.is_sized(levels) { None } else { least }
 }
 
 #[cfg(test)]
@@ -107,9 +107,14 @@ mod tests {
 
     #[test]
     fn an_amplitude_of_the_wrong_sign_is_zero_but_for_changes() {
-        let strut = member("gravity_balancer", &[86.0, -2e4, 0.05, 1.3], &[1.0, 1e3, 0.6, 0.04]);
+        let strut = member("gravity_balancer", &[86.0, -2e4, 0.05, 1.3], &[1.0, 1e3, 0.03, 0.04]);
         let criteria = Levels::default();
         assert_eq!(undetermined(&strut, false, &criteria), Some(1));
+        // A geometry that is not determined is held first: it makes either moment out of the other.
+        let mut open = member("gravity_balancer", &[-86.0, 2e4, 0.05, 1.3], &[1.0, 1e3, 0.6, 0.04]);
+        assert_eq!(undetermined(&open, false, &criteria), Some(2));
+        open.fixed.push(2);
+        assert_eq!(undetermined(&open, false, &criteria), Some(0));
         assert_eq!(undetermined(&strut, true, &criteria), None);
         // The only one there is stays.
         let alone = member("nonlinear_viscous_friction", &[-35.0, 0.7], &[3.0, 0.1]);

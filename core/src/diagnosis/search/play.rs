@@ -62,12 +62,19 @@ pub(super) fn rattling_gears(session: &Session, options: &Options) -> Result<Imp
             Judgement::at_most(Gate::ImpactsAgain, each[1].exp(), levels.usual_p).or(both || test.changes(joint) == 0),
             Judgement::at_most(Gate::ImpactsAlike, alike.exp(), levels.strict_p),
         ];
-        let failed = Judgement::first_failed(gates);
-        let play = failed.is_none().then(|| train.play(joint, &session.model.arm, &session.logs.train.rows)).flatten();
-        let Some(play) = play else {
-            let failed = failed.unwrap_or(Judgement::at_least(Gate::ImpactsTimed, 0.0, 1.0));
-            rejected = Some(Rejected { slot: (Family { effect: effect.about().name, joint }, None), failed });
-            break;
+        let timed = || {
+            let play = train.play(joint, &session.model.arm, &session.logs.train.rows);
+            let play = play.ok_or(Judgement::at_least(Gate::ImpactsTimed, 0.0, 1.0))?;
+            let can_be = effect.is_believable(&[play.half_gap], joint, session.model.base.robot());
+            let believable = Judgement::at_most(Gate::Believable, f64::from(u8::from(!can_be)), 0.0);
+            if can_be { Ok(play) } else { Err(believable) }
+        };
+        let play = match Judgement::first_failed(gates).map_or_else(timed, Err) {
+            Ok(play) => play,
+            Err(failed) => {
+                rejected = Some(Rejected { slot: (Family { effect: effect.about().name, joint }, None), failed });
+                break;
+            }
         };
         let rivals: Vec<usize> = all[1..]
             .iter()

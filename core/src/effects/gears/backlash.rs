@@ -1,7 +1,7 @@
 //! Backlash: play in the gear, in which motor and link move freely of each other.
 
 use crate::effects::{About, Effect, Gear, Hidden, Nature, Parameter, Rival, Role, Scope, Site};
-use crate::robot::Unit;
+use crate::robot::{Robot, Unit};
 
 /// A dead zone of +- half_gap between motor and link.
 ///
@@ -52,6 +52,9 @@ static PARAMETERS: [Parameter; 1] = [Parameter {
     typical: 5e-4,
 }];
 
+/// Least play of a gear, rad or m: a fifth of an arc second. What is timed as less is none.
+const NARROWEST: f64 = 1e-6;
+
 impl Effect for Backlash {
     fn about(&self) -> &'static About {
         &ABOUT
@@ -63,6 +66,10 @@ impl Effect for Backlash {
 
     fn parameters(&self) -> &'static [Parameter] {
         &PARAMETERS
+    }
+
+    fn is_believable(&self, p: &[f64], _: usize, _: &Robot) -> bool {
+        p[0] >= NARROWEST
     }
 
     fn gear(&self, p: &[f64]) -> Option<Gear> {

@@ -6,7 +6,7 @@
 
 use crate::diagnosis::criteria::Levels;
 use crate::diagnosis::logs::Log;
-use crate::diagnosis::model::Session;
+use crate::diagnosis::model::{Member, Session};
 use crate::diagnosis::noise::Whitener;
 use crate::diagnosis::regression::Projection;
 use crate::effects::{Nature, Rounding};
@@ -53,28 +53,59 @@ impl Likeliest {
 /// Rounding of the joints and by how much more likely, in its logarithm, the torque of each is than with a plain sign.
 type Tried = Vec<(Rounding, f64)>;
 
-/// The rounding of each joint under which its torque is likeliest; a plain sign where that does as well. The `session` is that over
-/// all logs with the arm as known: slow motions determine it best, and those may be the held-out ones.
+impl Session<'_> {
+    /// Decides on the rounding again with `members` in the model, and returns whether it is another: what misses a load may look like
+    /// friction that turns over slowly. What is known from before a change stays, and low-pass filtered torque does not determine it.
+    ///
+    /// # Errors
+    /// If a log is too short to differentiate.
+    pub(crate) fn round_again(&mut self, members: &[Member]) -> Result<bool> {
+        if !self.model.known.reference.is_empty() || self.logs.passband.is_some() {
+            return Ok(false);
+        }
+        let pooled = self.logs.apart.then(|| self.over_all_logs());
+        let Likeliest { rounding, gains } = likeliest(pooled.as_ref().unwrap_or(self), members)?;
+        self.model.rounding_gains = gains;
+        if rounding == self.model.arm.coulomb_rounding {
+            return Ok(false);
+        }
+        tracing::debug!(?rounding, "rounding of the sign of friction with what was found");
+        for data in [&mut self.logs.train, &mut self.logs.test] {
+            for (place, column) in self.model.arm.dry_columns(self.model.base, &data.rows, &rounding) {
+                data.baseline[place] = column;
+            }
+        }
+        self.model.known = self.model.known.with_coulomb_rounding(rounding.clone());
+        self.model.arm = self.model.arm.clone().with_coulomb_rounding(rounding);
+        Ok(true)
+    }
+}
+
+/// The rounding of each joint under which its torque is likeliest with `members` in the model; a plain sign where that does as well. The
+/// `session` is that over all logs: slow motions determine it best, and those may be the held-out ones.
 ///
 /// # Errors
 /// If a log is too short to differentiate.
-pub(super) fn likeliest(session: &Session) -> Result<Likeliest> {
+pub(super) fn likeliest(session: &Session, members: &[Member]) -> Result<Likeliest> {
     let (model, train) = (session.model.base, &session.logs.train);
-    let whitener = Whitener::new(&train.rows, &train.torque, &train.baseline);
-    let plain = whitener.fit(&train.baseline, &train.torque);
+    let arm = &session.model.arm;
+    let dry_columns = |rounding: &[Rounding]| arm.dry_columns(model, &train.rows, rounding);
+    let mut present = session.model.columns(train, members)?;
+    let sharp = dry_columns(&vec![Rounding::Sharp; model.dof()]);
+    let dry: Vec<usize> = sharp.iter().map(|(at, _)| *at).collect();
+    sharp.into_iter().for_each(|(at, column)| present[at] = column);
+    let whitener = Whitener::new(&train.rows, &train.torque, &present);
+    let plain = whitener.fit(&present, &train.torque);
     let left = |fit: &Projection| -> Vec<f64> {
         let of_joint = |joint| fit.residual.part(joint).unwrap_or_default().iter().map(|r| r * r).sum();
         (0..model.dof()).map(of_joint).collect()
     };
     let plain_left = left(&plain);
     // A rounding changes the columns of Coulomb friction alone: all others are fitted once.
-    let arm = &session.model.arm;
-    let dry: Vec<usize> =
-        arm.dry_columns(model, &train.rows, &arm.coulomb_rounding).iter().map(|(at, _)| *at).collect();
-    let others = train.baseline.iter().enumerate().filter(|(at, _)| !dry.contains(at));
+    let others = present.iter().enumerate().filter(|(at, _)| !dry.contains(at));
     let others = whitener.fit(&others.map(|(_, column)| column.clone()).collect::<Vec<_>>(), &train.torque);
     let gains = |rounding: Vec<Rounding>| -> Tried {
-        let dry = arm.dry_columns(model, &train.rows, &rounding).into_iter().map(|(_, column)| column);
+        let dry = dry_columns(&rounding).into_iter().map(|(_, column)| column);
         let with = left(&others.with(&whitener.apply_all(&dry.collect::<Vec<_>>())));
         let gains = plain_left.iter().zip(with).map(|(plain, with)| 0.5 * (plain - with));
         rounding.into_iter().zip(gains).collect()

@@ -46,8 +46,8 @@ impl<'a> Session<'a> {
         // The Coulomb smoothing velocity is that from before a change, if one is in question; low-pass filtered torque does not determine
         // it.
         let Likeliest { rounding, gains } = match known.reference.is_empty() && passband.is_none() {
-            true if apart => coulomb_width::likeliest(&session.over_all_logs())?,
-            true => coulomb_width::likeliest(&session)?,
+            true if apart => coulomb_width::likeliest(&session.over_all_logs(), &[])?,
+            true => coulomb_width::likeliest(&session, &[])?,
             false => {
                 Likeliest { rounding: known.arm.coulomb_rounding.clone(), gains: vec![0.0; session.model.base.dof()] }
             }

@@ -14,6 +14,29 @@ use crate::identification::noise::AutoregressiveNoise;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
+/// Time around the beginning and the end of an event in which its torque is not known, s: it may come at once or build up, and smooth
+/// positions do not follow the jerk that it gives the arm.
+const AROUND_S: f64 = 0.15;
+
+impl Session<'_> {
+    /// Leaves out the training rows near the beginning and the end of an event: as noise they would be the largest of all, and as torque
+    /// they would pull at all parameters.
+    pub(super) fn leave_out_ends(&mut self, member: &Member) {
+        let Candidate { placed, log, .. } = &member.candidate;
+        if !is_event(placed.effect) {
+            return;
+        }
+        let rows = &mut self.logs.train.rows;
+        for index in (0..rows.logs.len()).filter(|index| log.is_none_or(|own| own == *index)) {
+            for end in placed.effect.acts_between(&placed.parameters) {
+                let sample = |t: f64| rows.logs[index].time.partition_point(|own| *own < t);
+                let [from, to] = [-AROUND_S, AROUND_S].map(|apart| sample(end + apart));
+                rows.leave_out_samples(index, from, to);
+            }
+        }
+    }
+}
+
 /// What came of a search for events.
 #[derive(Debug, Default)]
 pub(super) struct Searched {

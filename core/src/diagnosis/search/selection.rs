@@ -87,7 +87,7 @@ pub(crate) fn select(session: &mut Session, options: &Options, watch: &mut Watch
             if let Some(accepted) = events.accepted {
                 in_own_noise.clear();
                 found.push(Found::new(accepted, Vec::new()));
-                round = round.next(session, &mut found, options)?;
+                round = after_one_more(session, &mut found, round, options)?;
                 (in_a_row, exhausted, events_asked) = (0, false, None);
                 continue;
             }
@@ -149,7 +149,7 @@ pub(crate) fn select(session: &mut Session, options: &Options, watch: &mut Watch
                 (in_a_row, asked) = (0, 0);
                 in_own_noise.clear();
                 found.push(Found::new(*accepted, alternatives));
-                round = round.next(session, &mut found, options)?;
+                round = after_one_more(session, &mut found, round, options)?;
             }
             Outcome::Refused(Refusal { may_be, asked: in_vain, failed }) => {
                 refused.push(Refused::new(&winner.candidate, may_be));
@@ -176,6 +176,19 @@ pub(crate) fn select(session: &mut Session, options: &Options, watch: &mut Watch
     let held_out = held_out_steps(session, &mut found, &whitener)?;
     let rejected = in_the_end(rejected, &found);
     Ok(Selection { found, rejected, whitener, first_whitener, held_out, multiplicity, ranking, sensitivity })
+}
+
+/// The next round, after one more effect was found: what was decided before it is decided again. Rows near the ends of an event are left
+/// out, and the rounding of friction on the joints on which it acts is that of the residual with it.
+fn after_one_more(session: &mut Session, found: &mut [Found], round: Round, options: &Options) -> Result<Round> {
+    let members = members(found);
+    let Some(last) = members.last() else { return round.next(session, found, options) };
+    session.leave_out_ends(last);
+    let is_rounded = |joint: &usize| session.model.arm.coulomb_rounding[*joint].width() > 0.0;
+    if last.candidate.joints().iter().any(is_rounded) && session.round_again(&members)? {
+        return Round::first(session, found, options);
+    }
+    round.next(session, found, options)
 }
 
 impl Selection {

@@ -52,8 +52,9 @@ static PARAMETERS: [Parameter; 1] = [Parameter {
     typical: 5e-4,
 }];
 
-/// Least play of a gear, rad or m: a fifth of an arc second. What is timed as less is none.
-const NARROWEST: f64 = 1e-6;
+/// Least half gap of a gear, rad or m: about an arc second, and 5 um. Gears without play are specified to a minute. What is timed or fitted
+/// as less is noise of the encoders that the controller feeds back.
+const NARROWEST: f64 = 5e-6;
 
 impl Effect for Backlash {
     fn about(&self) -> &'static About {

@@ -54,7 +54,11 @@ pub(crate) fn lines(
     for (found, finding) in diagnosis.found.iter().zip(&all[ahead..]) {
         lines.push(format!("- {}", missed(robot, diagnosis, found)));
         let change = if finding.parameters.is_empty() { String::new() } else { values(finding) };
-        let verb = if diagnosis.scope.against_reference { "Changed by" } else { "Add to the model:" };
+        let verb = match found.verdict {
+            Verdict::Unexplained => "Its best fit:",
+            _ if diagnosis.scope.against_reference => "Changed by",
+            _ => "Add to the model:",
+        };
         let open = if finding.size_told { String::new() } else { format!(" Note: {NOT_SIZED}.") };
         lines.push(format!("  {verb} {change} ({EXTENDED_SCENARIO} has it). {}{open}", finding.explanation));
     }
@@ -186,11 +190,22 @@ fn missed(robot: &Robot, diagnosis: &Diagnosis, found: &Found) -> String {
     if let Some(play) = &found.impacts {
         return format!("{names}: {} (chance of a false alarm {chance}).", impacts(play));
     }
+    if let Some(log) = found.member.candidate.log {
+        let log =
+            if diagnosis.scope.against_reference { "one log".to_owned() } else { format!("training log {}", log + 1) };
+        return format!("In {log} alone, {names} acts (chance of a false alarm {chance}).");
+    }
     let torque = diagnosis.errors.test_torque_rms[joint];
     let share =
         if torque > 0.0 { format!(" = {:.1} % of its torque", 100.0 * before[joint] / torque) } else { String::new() };
+    // What is taken back has no chance of its own.
+    let chance = match found.verdict {
+        Verdict::Unexplained => String::new(),
+        _ => format!("; chance of a false alarm {chance}"),
+    };
+    let takes = if after[joint] < before[joint] { "takes it to" } else { "fits the training logs, and leaves" };
     format!(
-        "{} misses {} rms{share}: {names} takes it to {} (noise {}; chance of a false alarm {chance}).",
+        "{} misses {} rms{share}: {names} {takes} {} (noise {}{chance}).",
         robot.joints[joint].name,
         effort(&robot.joints[joint], before[joint]),
         effort(&robot.joints[joint], after[joint]),

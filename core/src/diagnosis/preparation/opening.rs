@@ -4,8 +4,9 @@ use super::coulomb_width::{self, Likeliest};
 use super::filters::{Preparation, Prepared};
 use super::smoothing;
 use crate::diagnosis::criteria::Criteria;
-use crate::diagnosis::model::{ArmModel, Fit, Known, PreparedLogs, Session};
+use crate::diagnosis::model::{ArmModel, DataSet, Fit, Known, PreparedLogs, Session};
 use crate::diagnosis::noise::Whitener;
+use crate::diagnosis::regression::Column;
 use crate::error::Result;
 use crate::identification::effect_model::Trust;
 use crate::identification::model::Model;
@@ -71,6 +72,7 @@ impl<'a> Session<'a> {
             for set in [&mut session.logs.train, &mut session.logs.test] {
                 set.bands = smoothing::bands(&session.model.arm, &set.rows, &likeliest, &session.logs.cutoffs_hz)?;
             }
+            session.free_bands();
             session.model.arm = session.model.known.arm.clone();
             noise = session.settle_baseline()?;
         }
@@ -86,6 +88,19 @@ impl<'a> Session<'a> {
         session.leave_out_distorted(&noise.whitener);
         session.take_differences(&noise.whitener)?;
         Ok(session)
+    }
+
+    /// Frees what the motion of each joint in its band does to the torque, by one factor: as far as that is noise of the encoder, columns of
+    /// accelerations that hold it attenuate every estimate (errors in variables; Fuller, Measurement Error Models, 1987).
+    fn free_bands(&mut self) {
+        let dof = self.model.base.dof();
+        let of_joints = |data: &DataSet| -> Vec<Column> {
+            let sum = |on_each: &[Column]| Column::of(on_each.iter().flat_map(|column| column.parts.clone()).collect());
+            data.bands.chunks(dof).map(sum).collect()
+        };
+        let columns = [of_joints(&self.logs.train), of_joints(&self.logs.test)];
+        let place = self.blocks(&[]).known.start;
+        self.logs.insert(place, &columns);
     }
 
     /// Fits the arm without any effect; the noise is that under it.

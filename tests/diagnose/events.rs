@@ -19,8 +19,16 @@ fn a_contact_in_one_log_is_named_with_its_time() {
     let touched = logs(&with(std::slice::from_ref(&contact)), 81, 1).into_iter();
     let all: Vec<Recording> = touched.chain(logs(&SETUP, 81, 3).into_iter().skip(1)).collect();
     let diagnosis = diagnosed(&SETUP.known, &all, &["external_contact", "payload", "torque_offset"]);
-    let (effect, values, _) = only(&diagnosis);
+    let (effect, values, std) = only(&diagnosis);
     assert_eq!(effect, "external_contact");
+    assert!(
+        (3..5).all(|k| (0.05..0.15).contains(&std[k])),
+        "where an event begins is known to its left-out ends: {std:?}"
+    );
+    // No joint pays for its ends.
+    let errors = &diagnosis.errors;
+    let joints = errors.extended_test_rms.iter().zip(&errors.noise_floor);
+    assert!(joints.clone().all(|(left, noise)| *left < 1.3 * noise), "{:?}", joints.collect::<Vec<_>>());
     assert_eq!(diagnosis.found[0].member.candidate.log, Some(0));
     for (k, within) in [(0, 10.0), (1, 10.0), (2, 10.0), (3, 0.1), (4, 0.1)] {
         assert!((values[k] - contact.parameters[k]).abs() < within, "{k}: {} for {}", values[k], contact.parameters[k]);

@@ -52,6 +52,10 @@ pub(crate) fn is_shift(effect: &dyn Effect) -> bool {
     matches!(effect.about().nature, Nature::Lag | Nature::Delay)
 }
 
+/// Time around the beginning and the end of an event in which its torque is not known, s: it may come at once or build up, and smooth
+/// positions do not follow the jerk that it gives the arm.
+pub(crate) const ENDS_OF_EVENT_S: f64 = 0.15;
+
 /// Whether an effect comes and goes on its own, whatever the motion.
 pub(crate) fn is_event(effect: &dyn Effect) -> bool {
     effect.about().nature == Nature::Event

@@ -8,7 +8,7 @@ use super::data_set::DataSet;
 use super::errors_in_variables::{ErrorsInVariables, Nuisances};
 use super::member::Member;
 use super::prepared::PreparedLogs;
-use super::roles::{is_level, is_shift, linear, shapes};
+use super::roles::{ENDS_OF_EVENT_S, is_event, is_level, is_shift, linear, shapes};
 use crate::diagnosis::criteria::Criteria;
 use crate::diagnosis::noise::{NoiseMemory, Whitener};
 use crate::diagnosis::regression::{Column, JointEquations, Projection, Solved, combined, solve};
@@ -142,6 +142,8 @@ impl<'a> Session<'a> {
             for (index, place) in shapes(effect).into_iter().zip(block.shapes.clone()) {
                 let fitted = member.candidate.placed.parameters[index];
                 let std = if member.fixed.contains(&index) { f64::INFINITY } else { solved.std(place) };
+                // The rows near the ends of an event are left out: where in them it begins is not determined.
+                let std = if is_event(effect) { ENDS_OF_EVENT_S / 3f64.sqrt() } else { std };
                 (member.placed.parameters[index], member.std[index]) = (fitted, std);
                 if is_level(effect)
                     && let Some(flat) = flat_level(&self.model.arm, &self.logs.train.rows, member.placed.joint, fitted)

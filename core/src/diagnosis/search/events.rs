@@ -6,17 +6,13 @@ use super::acceptance::{Accepted, Outcome, Refusal, Trial};
 use super::found::Rejected;
 use crate::diagnosis::criteria::{Gate, Judgement};
 use crate::diagnosis::evidence::{Judged, Multiplicity};
-use crate::diagnosis::model::{Candidate, Member, Session, Slot, is_event};
+use crate::diagnosis::model::{Candidate, ENDS_OF_EVENT_S, Member, Session, Slot, is_event};
 use crate::diagnosis::noise::Whitener;
 use crate::diagnosis::regression::rms;
 use crate::error::Result;
 use crate::identification::noise::AutoregressiveNoise;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
-
-/// Time around the beginning and the end of an event in which its torque is not known, s: it may come at once or build up, and smooth
-/// positions do not follow the jerk that it gives the arm.
-const AROUND_S: f64 = 0.15;
 
 impl Session<'_> {
     /// Leaves out the training rows near the beginning and the end of an event: as noise they would be the largest of all, and as torque
@@ -30,7 +26,7 @@ impl Session<'_> {
         for index in (0..rows.logs.len()).filter(|index| log.is_none_or(|own| own == *index)) {
             for end in placed.effect.acts_between(&placed.parameters) {
                 let sample = |t: f64| rows.logs[index].time.partition_point(|own| *own < t);
-                let [from, to] = [-AROUND_S, AROUND_S].map(|apart| sample(end + apart));
+                let [from, to] = [-ENDS_OF_EVENT_S, ENDS_OF_EVENT_S].map(|apart| sample(end + apart));
                 rows.leave_out_samples(index, from, to);
             }
         }

@@ -376,8 +376,12 @@ impl Concluded<'_> {
         let extended = ExtendedModel::new(&self.session, &self.members, &self.whitener);
         let baseline = ExtendedModel::new(&self.session, &[], &self.first_whitener);
         let described = ExtendedModel::described(self.session.model.base.robot(), &self.present);
+        let of_bands = |members: &[Member], whitener: &Whitener| -> Result<Column> {
+            Ok(self.session.of_bands(&self.session.logs.test, &self.session.solved(members, whitener)?))
+        };
+        let of_encoders = [of_bands(&[], &self.first_whitener)?, of_bands(&self.members, &self.whitener)?];
         let Concluded { diagnosis, session, seed, .. } = self;
-        let replay = Replay { described, baseline, extended, rows: session.logs.test.rows, seed };
+        let replay = Replay { described, baseline, extended, rows: session.logs.test.rows, of_encoders, seed };
         Ok(Conclusion { diagnosis, measured, accounted_for, resimulation: None, replay })
     }
 

@@ -165,6 +165,8 @@ pub(super) struct Replay {
     pub extended: Result<ExtendedModel>,
     /// The held-out rows.
     pub rows: Rows,
+    /// Torque of the fitted baseline and of the extended model there that comes of the noise of the encoders: no simulated arm has it.
+    pub of_encoders: [Column; 2],
     /// Seed of the bootstrap.
     pub seed: u64,
 }
@@ -180,13 +182,19 @@ impl Replay {
         // Where nothing was found they are the same.
         models.dedup();
         let fitted = resimulate(simulator, &models, &self.rows)?;
-        let (baseline, extended) = (&fitted[0], &fitted[models.len() - 1]);
+        let of_model = |place: usize, of_encoders: &Column| {
+            let mut run: Resimulated = fitted[place].clone();
+            run.residual.add(-1.0, of_encoders);
+            run
+        };
+        let [baseline, extended] =
+            [of_model(0, &self.of_encoders[0]), of_model(models.len() - 1, &self.of_encoders[1])];
         let noise = &diagnosis.errors.noise_floor;
         let (before, after) = (&baseline.residual, &extended.residual);
         let residuals = Residuals { before, after, valid: &baseline.valid, noise };
         let extended_rms = rms(&extended.valid, &extended.residual);
-        let fitted = &diagnosis.errors.extended_test_rms;
-        let strays = |joint: usize| extended_rms[joint] > STRAYS * fitted[joint].max(noise[joint]);
+        let of_fit = &diagnosis.errors.extended_test_rms;
+        let strays = |joint: usize| extended_rms[joint] > STRAYS * of_fit[joint].max(noise[joint]);
         if let Some(joint) = (0..extended_rms.len()).find(|&joint| strays(joint)) {
             let problem = "the simulated arm does not follow the fitted model: the logs determine its drives or bodies too poorly \
                            for a simulation (friction or inertia that would have to be negative)";

@@ -7,7 +7,7 @@ use crate::diagnosis::criteria::{Gate, Judgement};
 use crate::diagnosis::evidence::{Block, Reach, blocks, slow_cosines};
 use crate::diagnosis::model::{PreparedLogs, Session};
 use crate::diagnosis::regression::rms;
-use crate::diagnosis::search::Selection;
+use crate::diagnosis::search::{Selection, members};
 use crate::error::Result;
 use rayon::prelude::*;
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
@@ -30,8 +30,12 @@ pub(crate) fn unexplained(session: &Session, selection: &Selection, alpha: f64) 
     let model = Fitted::new(session, selection, alpha)?;
     let PreparedLogs { train, test, .. } = &session.logs;
     let residual = rms(&test.rows.valid, &selection.held_out);
+    let solved = session.solved(&members(&selection.found), &selection.whitener)?;
+    let of_encoders = rms(&test.rows.valid, &session.of_bands(test, &solved));
     let above_sensor = |joint: usize| {
-        let noise = train.rows.sensor_noise(joint, 1).max(test.rows.sensor_noise(joint, 1));
+        let sensor = train.rows.sensor_noise(joint, 1).max(test.rows.sensor_noise(joint, 1));
+        // What comes of the encoders' noise is in the model.
+        let noise = (sensor.powi(2) - of_encoders[joint].powi(2)).max(0.0).sqrt();
         Judgement::at_least(Gate::AboveExpected, residual[joint] / noise, 1.0 + session.criteria.share_of_excess)
     };
     let on = |joint: usize| {

@@ -3,6 +3,7 @@
 use super::data_set::DataSet;
 use crate::diagnosis::logs::LowPass;
 use crate::diagnosis::regression::Column;
+use std::ops::Range;
 
 /// Logs that every model is fitted to and judged by. Their rows do not change after their preparation. The search adds columns to the baselines: those
 /// of gears whose impacts show play, and those of moments of the first body that only a tilted base shows.
@@ -12,6 +13,8 @@ pub struct PreparedLogs {
     pub train: DataSet,
     /// Held-out logs.
     pub test: DataSet,
+    /// Places of the columns of the bands in the baselines, one of each joint that moves: torque that the noise of its encoder makes.
+    pub bands: Range<usize>,
     /// Whether these are others than those identified from.
     pub apart: bool,
     /// Cut-off of the low-pass of each joint's positions, Hz.
@@ -33,6 +36,7 @@ impl PreparedLogs {
         PreparedLogs {
             train: self.train.and(&self.test),
             test: self.test.clone(),
+            bands: self.bands.clone(),
             apart: false,
             cutoffs_hz: self.cutoffs_hz.clone(),
             passband: self.passband,

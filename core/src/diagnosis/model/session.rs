@@ -194,6 +194,12 @@ impl<'a> Session<'a> {
         Ok(())
     }
 
+    /// Torque of a fit along either data set that comes of the noise of the encoders: of what positions hold in the bands.
+    pub(crate) fn of_bands(&self, data: &DataSet, solved: &Solved) -> Column {
+        let bands = self.logs.bands.clone();
+        combined(&data.baseline[bands.clone()], &solved.values[bands])
+    }
+
     /// The arm with the parameters of its baseline from a fit; differences from before a change leave it as it was then.
     pub(crate) fn arm_with(&self, solved: &Solved) -> Arm {
         let mut arm = self.model.arm.clone();

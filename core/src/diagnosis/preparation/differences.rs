@@ -47,7 +47,7 @@ impl Session<'_> {
         let Some((pairs, shares)) = pairs else { return Ok(()) };
         let arm = self.baseline_before(whitener);
         let [train, test] = pairs.map(|pair| pair.differences(&arm));
-        (self.logs.train, self.logs.test) = (train, test);
+        (self.logs.train, self.logs.test, self.logs.bands) = (train, test, 0..0);
         for (set, share) in [&mut self.logs.train, &mut self.logs.test].into_iter().zip(shares) {
             set.rows.equal_states = Some(share);
         }

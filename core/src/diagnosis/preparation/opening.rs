@@ -39,7 +39,7 @@ impl<'a> Session<'a> {
         let preparation = Preparation::new(model, &known, train, test, criteria)?;
         let Prepared { data_sets: [train, test], cutoff_hz, passband } = preparation.prepared()?;
         let (apart, cutoffs_hz) = (preparation.is_apart(), preparation.alike(cutoff_hz));
-        let logs = PreparedLogs { train, test, apart, cutoffs_hz, passband };
+        let logs = PreparedLogs { train, test, bands: 0..0, apart, cutoffs_hz, passband };
         let (arm, knows) = (known.arm.clone(), known.clone());
         let model =
             ArmModel { base: model, trust, known: knows, arm, open_play: Vec::new(), rounding_gains: Vec::new() };
@@ -100,6 +100,7 @@ impl<'a> Session<'a> {
         };
         let columns = [of_joints(&self.logs.train), of_joints(&self.logs.test)];
         let place = self.blocks(&[]).known.start;
+        self.logs.bands = place..place + columns[0].len();
         self.logs.insert(place, &columns);
     }
 

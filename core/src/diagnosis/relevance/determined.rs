@@ -18,22 +18,27 @@ use crate::error::Result;
 /// # Errors
 /// If a log is too short to differentiate.
 pub(crate) fn hold_undetermined(session: &mut Session, found: &mut [Found], whitener: &Whitener) -> Result<bool> {
-    let change = session.logs.train.rows.of_change();
     let mut some = false;
     with_scatter(session, found, whitener)?;
     loop {
-        let mut more = false;
-        for found in found.iter_mut() {
-            if let Some(index) = undetermined(&found.member, change, &session.criteria.levels) {
-                tracing::debug!(family = ?found.member.candidate.family(), index, "not determined");
-                found.member.fixed.push(index);
-                more = true;
+        let now = members(found);
+        let next = |place: usize| -> Result<Option<usize>> {
+            match wrong_sign(&now[place], &now[place].placed.parameters, session).is_some() {
+                true => of_wrong_sign(session, &now, place, whitener),
+                false => Ok(undetermined(&now[place], &session.criteria.levels)),
             }
-        }
-        if !more {
+        };
+        let held = (0..now.len()).map(next).collect::<Result<Vec<Option<usize>>>>()?;
+        if held.iter().all(Option::is_none) {
             return Ok(some);
         }
         some = true;
+        for (found, index) in found.iter_mut().zip(held) {
+            if let Some(index) = index {
+                tracing::debug!(family = ?found.member.candidate.family(), index, "not determined");
+                found.member.fixed.push(index);
+            }
+        }
         let mut members = members(found);
         session.settle(&mut members, whitener)?;
         found.iter_mut().zip(members).for_each(|(found, member)| found.member = member);
@@ -41,33 +46,56 @@ pub(crate) fn hold_undetermined(session: &mut Session, found: &mut [Found], whit
     }
 }
 
-/// The next parameter to hold, if any. What a `change` adds to an amplitude may have either sign.
-fn undetermined(member: &Member, change: bool, levels: &Levels) -> Option<usize> {
+/// The amplitude of a sign that cannot be with these values of all parameters, the surest first. One amplitude must stay, and what a change
+/// adds may have either sign.
+fn wrong_sign(member: &Member, values: &[f64], session: &Session) -> Option<usize> {
     let effect = member.placed.effect;
-    if member.held || is_level(effect) {
+    if member.held || is_level(effect) || session.logs.train.rows.of_change() {
         return None;
     }
-    let parameters = effect.parameters();
-    let is_free = |index: &usize| !member.fixed.contains(index);
-    let (value, std) = (|index: usize| member.placed.parameters[index], |index: usize| member.std[index]);
-    let amplitudes: Vec<usize> = linear(effect).into_iter().filter(is_free).collect();
+    surest_of_wrong_sign(member, values)
+}
+
+/// The same of an effect that is no change.
+fn surest_of_wrong_sign(member: &Member, values: &[f64]) -> Option<usize> {
+    let effect = member.placed.effect;
+    let amplitudes: Vec<usize> = linear(effect).into_iter().filter(|index| !member.fixed.contains(index)).collect();
     let impossible = |index: &usize| {
-        let Parameter { role, lower, upper, .. } = parameters[*index];
-        role == Role::Amplitude && ((lower == 0.0 && value(*index) < 0.0) || (upper == 0.0 && value(*index) > 0.0))
+        let Parameter { role, lower, upper, .. } = effect.parameters()[*index];
+        role == Role::Amplitude && ((lower == 0.0 && values[*index] < 0.0) || (upper == 0.0 && values[*index] > 0.0))
     };
-    let scale = |index: usize| value(index).abs().max(0.1 * parameters[index].typical.abs());
-    let relative = |index: &usize| std(*index) / scale(*index);
-    let open = shapes(effect).into_iter().filter(is_free);
-    let least = open.max_by(|a, b| relative(a).total_cmp(&relative(b)));
-    // One amplitude must stay. A shape that is not determined makes any amplitude out of the others.
-    if amplitudes.len() > 1 && !change {
-        let surest = |a: &usize, b: &usize| (value(*a) / std(*a)).abs().total_cmp(&(value(*b) / std(*b)).abs());
-        if let Some(index) = amplitudes.iter().copied().filter(impossible).max_by(surest) {
-            let is_open = |shape: &usize| relative(shape) > 1.0 - levels.most;
-            return least.filter(is_open).or(Some(index));
-        }
+    let sure = |index: usize| (values[index] / member.std[index]).abs();
+    let wrong = amplitudes.iter().copied().filter(impossible).max_by(|&a, &b| sure(a).total_cmp(&sure(b)));
+    wrong.filter(|_| amplitudes.len() > 1)
+}
+
+/// What to hold of a member with an amplitude of a sign that cannot be: such an amplitude, if it is one with all shapes held too; else the
+/// least determined shape, which makes any amplitude out of the others.
+fn of_wrong_sign(session: &Session, members: &[Member], place: usize, whitener: &Whitener) -> Result<Option<usize>> {
+    let mut held = members.to_vec();
+    let member = &members[place];
+    held[place].fixed.extend(shapes(member.placed.effect));
+    let solved = session.solved(&held, whitener)?;
+    let mut values = member.placed.parameters.clone();
+    let amplitudes = session.blocks(&held).members[place].amplitudes.clone();
+    for (index, at) in linear(member.placed.effect).into_iter().zip(amplitudes) {
+        values[index] = solved.values[at];
     }
-    if member.is_sized(levels) { None } else { least }
+    Ok(wrong_sign(&held[place], &values, session).or_else(|| least_determined(member)))
+}
+
+/// The free shape with the largest standard deviation relative to its size.
+fn least_determined(member: &Member) -> Option<usize> {
+    let parameters = member.placed.effect.parameters();
+    let scale = |index: usize| member.placed.parameters[index].abs().max(0.1 * parameters[index].typical.abs());
+    let open = shapes(member.placed.effect).into_iter().filter(|index| !member.fixed.contains(index));
+    open.max_by(|&a, &b| (member.std[a] / scale(a)).total_cmp(&(member.std[b] / scale(b))))
+}
+
+/// The next shape to hold, if no amplitude differs significantly from zero.
+fn undetermined(member: &Member, levels: &Levels) -> Option<usize> {
+    let is_settled = member.held || is_level(member.placed.effect) || member.is_sized(levels);
+    if is_settled { None } else { least_determined(member) }
 }
 
 #[cfg(test)]
@@ -87,37 +115,32 @@ mod tests {
     #[test]
     fn shapes_are_held_until_an_amplitude_is_determined() {
         // Two standard deviations from zero and a little less.
-        let criteria = Levels::default();
-        assert_eq!(
-            undetermined(&member("nonlinear_viscous_friction", &[35.0, 0.7], &[17.0, 0.9]), false, &criteria),
-            None
-        );
+        let levels = Levels::default();
+        assert_eq!(undetermined(&member("nonlinear_viscous_friction", &[35.0, 0.7], &[17.0, 0.9]), &levels), None);
         let mut open = member("nonlinear_viscous_friction", &[35.0, 0.7], &[18.0, 0.9]);
-        assert_eq!(undetermined(&open, false, &criteria), Some(1));
+        assert_eq!(undetermined(&open, &levels), Some(1));
         open.fixed.push(1);
-        assert_eq!(undetermined(&open, false, &criteria), None);
+        assert_eq!(undetermined(&open, &levels), None);
     }
 
     #[test]
     fn the_least_determined_shape_is_held_first() {
         let strut = member("gravity_balancer", &[15e3, 16e3, 0.8, -1.68], &[17e3, 11e3, 0.33, 0.01]);
-        let criteria = Levels::default();
-        assert_eq!(undetermined(&strut, false, &criteria), Some(2));
+        assert_eq!(undetermined(&strut, &Levels::default()), Some(2));
     }
 
     #[test]
-    fn an_amplitude_of_the_wrong_sign_is_zero_but_for_changes() {
-        let strut = member("gravity_balancer", &[86.0, -2e4, 0.05, 1.3], &[1.0, 1e3, 0.006, 0.04]);
-        let criteria = Levels::default();
-        assert_eq!(undetermined(&strut, false, &criteria), Some(1));
-        // A geometry that is not determined is held first: it makes either moment out of the other.
-        let mut open = member("gravity_balancer", &[-86.0, 2e4, 0.05, 1.3], &[1.0, 1e3, 0.6, 0.04]);
-        assert_eq!(undetermined(&open, false, &criteria), Some(2));
-        open.fixed.push(2);
-        assert_eq!(undetermined(&open, false, &criteria), Some(0));
-        assert_eq!(undetermined(&strut, true, &criteria), None);
+    fn the_surest_amplitude_of_a_wrong_sign_is_zero() {
+        let of = |member: &Member| surest_of_wrong_sign(member, &member.placed.parameters);
+        let strut = member("gravity_balancer", &[86.0, -2e4, 0.05, 1.3], &[1.0, 1e3, 0.6, 0.04]);
+        assert_eq!(of(&strut), Some(1));
+        let both = member("gravity_balancer", &[-86.0, -2e4, 0.05, 1.3], &[1.0, 1e3, 0.6, 0.04]);
+        assert_eq!(of(&both), Some(0));
+        assert_eq!(of(&member("gravity_balancer", &[86.0, 2e4, 0.05, 1.3], &[1.0; 4])), None);
         // The only one there is stays.
-        let alone = member("nonlinear_viscous_friction", &[-35.0, 0.7], &[3.0, 0.1]);
-        assert_eq!(undetermined(&alone, false, &criteria), None);
+        let mut last = both.clone();
+        last.fixed.push(1);
+        assert_eq!(of(&last), None);
+        assert_eq!(of(&member("nonlinear_viscous_friction", &[-35.0, 0.7], &[3.0, 0.1])), None);
     }
 }

@@ -122,8 +122,8 @@ impl Assembly<'_> {
         for (joints, what) in [(negative, "a negative mass"), (none, "no mass")] {
             if !joints.is_empty() && joints.len() < made.len() {
                 let text = format!(
-                    "the file gives {what} to what {} moves; `--trust structure` does not use it",
-                    joints.join(", ")
+                    "in the file the body that moves with {} has {what}; `--trust structure` does not use it",
+                    joints.join(", with ")
                 );
                 self.notes.push(text);
             }

@@ -303,8 +303,8 @@ mod tests {
         assert_eq!(robot("", [2.0, 1.0]), "");
         let note = robot("${prefix}", [2.0, 1.0]);
         assert!(note.contains("`${prefix}shoulder`") && note.contains("xacro arm.urdf -o robot.urdf"), "{note}");
-        assert!(robot("", [-2.0, 1.0]).contains("a negative mass to what shoulder moves"));
-        assert!(robot("", [2.0, 0.0]).contains("no mass to what elbow moves"));
+        assert!(robot("", [-2.0, 1.0]).contains("the body that moves with shoulder has a negative mass"));
+        assert!(robot("", [2.0, 0.0]).contains("the body that moves with elbow has no mass"));
         // None of all links: that is no slip, and is noted elsewhere.
         assert_eq!(robot("", [0.0, 0.0]), "");
     }

@@ -3,7 +3,7 @@
 use super::fit::HeldFit;
 use super::gates::{Judge, Judged};
 use crate::diagnosis::criteria::{Gate, Judgement};
-use crate::diagnosis::model::{Member, Session, is_level};
+use crate::diagnosis::model::{Member, Session, is_event, is_level, shapes};
 use crate::diagnosis::noise::Whitener;
 use crate::diagnosis::search::{Found, members};
 use crate::error::Result;
@@ -118,8 +118,9 @@ fn least_that_fails(judge: &Judge, kept: &[usize], worse: f64) -> Option<(usize,
 /// Makes the standard deviations of a member at least those of its scatter between blocks, in the order of its columns.
 fn widen(member: &mut Member, scatter: &[f64]) {
     let effect = member.placed.effect;
-    // A level is no factor of a column: its deviation comes from the rows at it.
-    for (index, &std) in member.places().zip(scatter).filter(|_| !is_level(effect)) {
+    // A level is no factor of a column: its deviation comes from the rows at it; and the times of an event are in rows that are left out.
+    let is_of_rows = |index: usize| !is_level(effect) && !(is_event(effect) && shapes(effect).contains(&index));
+    for (index, &std) in member.places().zip(scatter).filter(|(index, _)| is_of_rows(*index)) {
         member.std[index] = member.std[index].max(std);
     }
 }

@@ -19,9 +19,6 @@ impl Session<'_> {
     /// they would pull at all parameters.
     pub(super) fn leave_out_ends(&mut self, member: &Member) {
         let Candidate { placed, log, .. } = &member.candidate;
-        if !is_event(placed.effect) {
-            return;
-        }
         let rows = &mut self.logs.train.rows;
         for index in (0..rows.logs.len()).filter(|index| log.is_none_or(|own| own == *index)) {
             for end in placed.effect.acts_between(&placed.parameters) {

@@ -14,7 +14,7 @@ use super::round::{Round, converged, settled};
 use crate::diagnosis::Options;
 use crate::diagnosis::criteria::{Gate, Judgement};
 use crate::diagnosis::evidence::{Multiplicity, Ranked, ranking};
-use crate::diagnosis::model::{Candidate, Family, Member, Session};
+use crate::diagnosis::model::{Candidate, Family, Member, Session, is_event, shapes};
 use crate::diagnosis::noise::Whitener;
 use crate::diagnosis::regression::{Column, rms};
 use crate::diagnosis::watch::{Progress, Watch};
@@ -183,7 +183,11 @@ pub(crate) fn select(session: &mut Session, options: &Options, watch: &mut Watch
 fn after_one_more(session: &mut Session, found: &mut [Found], round: Round, options: &Options) -> Result<Round> {
     let members = members(found);
     let Some(last) = members.last() else { return round.next(session, found, options) };
-    session.leave_out_ends(last);
+    if is_event(last.placed.effect) {
+        session.leave_out_ends(last);
+        // Without those rows its times are known no better.
+        found.iter_mut().last().into_iter().for_each(|found| found.member.fixed.extend(shapes(last.placed.effect)));
+    }
     let is_rounded = |joint: &usize| session.model.arm.coulomb_rounding[*joint].width() > 0.0;
     if last.candidate.joints().iter().any(is_rounded) && session.round_again(&members)? {
         return Round::first(session, found, options);

@@ -5,6 +5,7 @@
 //! takes as long as that in all of them; logs that agree are spared it.
 
 use super::change::Description;
+use super::compare::EXPLAINED;
 use super::fitting::{Physics, Rows};
 use super::tried::Tried;
 use crate::quality::view::View;
@@ -24,21 +25,24 @@ pub(crate) fn contradict(views: &[&View], robot: &Robot) -> bool {
 /// Whether one set of parameters explains all logs about as well as each has its own, and all about as well; None where they cannot be
 /// fitted.
 fn agree(views: &[&View], robot: &Robot, physics: &Physics) -> Option<bool> {
-    let tried = |views: &[&View]| -> Option<(Rows, Tried)> {
-        let rows = Rows::new(views, Some(robot))?;
-        let as_given = Description::as_given(robot.dof(), robot.gravity);
-        let tried = Tried::new(physics, &rows, as_given)?;
-        Some((rows, tried))
-    };
-    let (rows, together) = tried(views)?;
+    let tried = |rows: &Rows| Tried::new(physics, rows, Description::as_given(robot.dof(), robot.gravity));
+    let rows = Rows::new(views, Some(robot))?;
+    let together = tried(&rows)?;
     let mut shares: Vec<Vec<f64>> = vec![Vec::new(); together.evaluation.held_out.len()];
     for (log, view) in views.iter().enumerate() {
-        let (_, alone) = tried(&[view])?;
+        // A residual is compared with the torque of all logs, also that of one by itself.
+        let own = Rows { size: rows.size.clone(), ..Rows::new(&[view], Some(robot))? };
+        let alone = tried(&own)?;
         for (channel, of_channel) in shares.iter_mut().enumerate() {
             let blocks = together.evaluation.held_out[channel].iter().zip(&rows.log);
             let in_log = mean(blocks.filter(|(_, own)| **own == log).filter_map(|(value, _)| *value));
             let by_itself = mean(alone.evaluation.held_out[channel].iter().copied().flatten());
-            if in_log.zip(by_itself).is_some_and(|(together, alone)| together - alone > 2.0 * DIFFERS.ln()) {
+            // Logarithms of mean squares. What explains a torque may still explain that of one log better: friction is not the same at the
+            // speeds of every log.
+            let differ = |(together, alone): (f64, f64)| {
+                together - alone > 2.0 * DIFFERS.ln() && together > 2.0 * (EXPLAINED * rows.size[channel]).ln()
+            };
+            if in_log.zip(by_itself).is_some_and(differ) {
                 return Some(false);
             }
             of_channel.extend(alone.evaluation.unexplained[channel]);

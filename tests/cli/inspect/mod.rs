@@ -483,7 +483,7 @@ fn what_is_not_looked_at_is_said() {
     case.write("log.csv", &sines("t,q1 [grad],tau1", slow));
     let said = text(&case.tauscope(&["inspect", "log.csv"]).stdout);
     assert!(said.contains("grad, in the name of q1 [grad], is no known unit"), "{said}");
-    assert!(said.contains("too short to tell") && !said.contains("Nothing is wrong"), "{said}");
+    assert!(said.contains("too short to decide") && !said.contains("Nothing is wrong"), "{said}");
     case.write("log.csv", &sines("t,q1,tau1", |t| one_joint(3.0 * t)));
     let said = text(&case.tauscope(&["inspect", "log.csv"]).stdout);
     assert!(said.contains("Nothing is wrong with it as far as it shows without the robot"), "{said}");

@@ -119,8 +119,8 @@ fn least_that_fails(judge: &Judge, kept: &[usize], worse: f64) -> Option<(usize,
 fn widen(member: &mut Member, scatter: &[f64]) {
     let effect = member.placed.effect;
     // A level is no factor of a column: its deviation comes from the rows at it; and the times of an event are in rows that are left out.
-    let is_of_rows = |index: usize| !is_level(effect) && !(is_event(effect) && shapes(effect).contains(&index));
-    for (index, &std) in member.places().zip(scatter).filter(|(index, _)| is_of_rows(*index)) {
+    let has_no_scatter = |index: usize| is_level(effect) || is_event(effect) && shapes(effect).contains(&index);
+    for (index, &std) in member.places().zip(scatter).filter(|(index, _)| !has_no_scatter(*index)) {
         member.std[index] = member.std[index].max(std);
     }
 }

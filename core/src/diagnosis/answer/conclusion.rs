@@ -310,9 +310,7 @@ fn answer<'a>(
         prediction_std,
         gap_closed,
         structure: [residual_structure(test, &simulation), residual_structure(test, &extended)],
-        sensor_noise: (0..session.model.base.dof())
-            .map(|joint| session.logs.train.rows.sensor_noise(joint, 1).max(test.sensor_noise(joint, 1)))
-            .collect(),
+        sensor_noise: (0..session.model.base.dof()).map(|joint| session.logs.sensor_noise(joint)).collect(),
         noise_floor,
     };
     let scope = Scope {

@@ -33,7 +33,7 @@ pub(crate) fn unexplained(session: &Session, selection: &Selection, alpha: f64) 
     let solved = session.solved(&members(&selection.found), &selection.whitener)?;
     let of_encoders = rms(&test.rows.valid, &session.of_bands(test, &solved));
     let above_sensor = |joint: usize| {
-        let sensor = train.rows.sensor_noise(joint, 1).max(test.rows.sensor_noise(joint, 1));
+        let sensor = session.logs.sensor_noise(joint);
         // What comes of the encoders' noise is in the model.
         let noise = (sensor.powi(2) - of_encoders[joint].powi(2)).max(0.0).sqrt();
         Judgement::at_least(Gate::AboveExpected, residual[joint] / noise, 1.0 + session.criteria.share_of_excess)

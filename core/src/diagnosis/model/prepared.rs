@@ -24,6 +24,11 @@ pub struct PreparedLogs {
 }
 
 impl PreparedLogs {
+    /// White noise of the measured torque of a joint over a row, of the noisiest log of either kind, N m.
+    pub(crate) fn sensor_noise(&self, joint: usize) -> f64 {
+        self.train.rows.sensor_noise(joint, 1).max(self.test.rows.sensor_noise(joint, 1))
+    }
+
     /// Inserts columns into the baselines of the training and of the held-out logs, the first at a place.
     pub(crate) fn insert(&mut self, place: usize, columns: &[Vec<Column>; 2]) {
         for (data, columns) in [&mut self.train, &mut self.test].into_iter().zip(columns) {

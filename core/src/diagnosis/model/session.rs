@@ -154,7 +154,7 @@ impl<'a> Session<'a> {
             }
         }
         let parameters = self.errors_of_prediction(&solved, members, whitener)?;
-        self.renew_errors_with(members, parameters)
+        self.renew_errors(members, parameters)
     }
 
     /// Errors of the fitted parameters that change the prediction of the held-out rows of a joint by more than its noise.
@@ -168,17 +168,12 @@ impl<'a> Session<'a> {
         Ok(errors)
     }
 
-    /// Takes errors in variables along the logs for the arm as it is, with the loads among `members`.
+    /// Takes errors in variables along the logs for the arm as it is, with the loads among `members` and `parameters`, errors of the fit
+    /// that matter along the held-out logs.
     ///
     /// # Errors
     /// If a log is too short to differentiate.
-    pub(crate) fn renew_errors(&mut self, members: &[Member]) -> Result<()> {
-        let parameters = std::mem::take(&mut self.errors[1].parameters);
-        self.renew_errors_with(members, parameters)
-    }
-
-    /// The same with `parameters`, errors of the fit that matter along the held-out logs.
-    fn renew_errors_with(&mut self, members: &[Member], parameters: Nuisances) -> Result<()> {
+    pub(crate) fn renew_errors(&mut self, members: &[Member], parameters: Nuisances) -> Result<()> {
         let ArmModel { arm, .. } = &self.model;
         let along = |data: &DataSet, parameters: Nuisances| {
             let mut loads = Column::default();

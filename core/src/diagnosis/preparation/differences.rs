@@ -6,7 +6,7 @@
 //! states differ. Their noise is that of two rows.
 
 use crate::diagnosis::logs::Rows;
-use crate::diagnosis::model::{DataSet, Session};
+use crate::diagnosis::model::{DataSet, Nuisances, Session};
 use crate::diagnosis::noise::Whitener;
 use crate::diagnosis::regression::Column;
 use crate::error::Result;
@@ -51,7 +51,8 @@ impl Session<'_> {
         for (set, share) in [&mut self.logs.train, &mut self.logs.test].into_iter().zip(shares) {
             set.rows.equal_states = Some(share);
         }
-        self.renew_errors(&[])
+        // Without a baseline no parameters of it are open.
+        self.renew_errors(&[], Nuisances::default())
     }
 }
 

@@ -186,7 +186,9 @@ fn after_one_more(session: &mut Session, found: &mut [Found], round: Round, opti
     if is_event(last.placed.effect) {
         session.leave_out_ends(last);
         // Without those rows its times are known no better.
-        found.iter_mut().last().into_iter().for_each(|found| found.member.fixed.extend(shapes(last.placed.effect)));
+        if let Some(found) = found.last_mut() {
+            found.member.fixed.extend(shapes(last.placed.effect));
+        }
     }
     let is_rounded = |joint: &usize| session.model.arm.coulomb_rounding[*joint].width() > 0.0;
     if last.candidate.joints().iter().any(is_rounded) && session.round_again(&members)? {

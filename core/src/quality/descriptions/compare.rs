@@ -78,7 +78,7 @@ pub(super) fn compare(reference: &Evaluation, candidate: &Evaluation, log: &[usi
     Some(Comparison { gain, p, channels, before: reference.unexplained.clone(), least_of_logs })
 }
 
-fn mean(values: &[f64]) -> f64 {
+pub(super) fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len().max(1) as f64
 }
 

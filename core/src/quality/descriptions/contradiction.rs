@@ -5,15 +5,15 @@
 //! takes as long as that in all of them; logs that agree are spared it.
 
 use super::change::Description;
-use super::compare::EXPLAINED;
+use super::compare::{EXPLAINED, mean};
 use super::fitting::{Physics, Rows};
+use super::search::CLEAN;
 use super::tried::Tried;
 use crate::quality::view::View;
 use crate::robot::Robot;
 
-/// Factor between residuals, root mean squares, from which they differ, and the share of a torque below which none does.
+/// Factor between residuals, root mean squares, from which they differ; shares of a torque below [`CLEAN`] do not.
 const DIFFERS: f64 = 2.0;
-const CLEAN: f64 = 0.04;
 
 /// Whether some of these logs contradict each other. Those that cannot be compared may.
 pub(crate) fn contradict(views: &[&View], robot: &Robot) -> bool {
@@ -35,14 +35,14 @@ fn agree(views: &[&View], robot: &Robot, physics: &Physics) -> Option<bool> {
         let alone = tried(&own)?;
         for (channel, of_channel) in shares.iter_mut().enumerate() {
             let blocks = together.evaluation.held_out[channel].iter().zip(&rows.log);
-            let in_log = mean(blocks.filter(|(_, own)| **own == log).filter_map(|(value, _)| *value));
-            let by_itself = mean(alone.evaluation.held_out[channel].iter().copied().flatten());
+            let in_log: Vec<f64> = blocks.filter(|(_, own)| **own == log).filter_map(|(value, _)| *value).collect();
+            let by_itself: Vec<f64> = alone.evaluation.held_out[channel].iter().copied().flatten().collect();
             // Logarithms of mean squares. What explains a torque may still explain that of one log better: friction is not the same at the
             // speeds of every log.
-            let differ = |(together, alone): (f64, f64)| {
-                together - alone > 2.0 * DIFFERS.ln() && together > 2.0 * (EXPLAINED * rows.size[channel]).ln()
-            };
-            if in_log.zip(by_itself).is_some_and(differ) {
+            let is_in_both = !in_log.is_empty() && !by_itself.is_empty();
+            let [shared, own] = [mean(&in_log), mean(&by_itself)];
+            let is_unexplained = shared > 2.0 * (EXPLAINED * rows.size[channel]).ln();
+            if is_in_both && shared - own > 2.0 * DIFFERS.ln() && is_unexplained {
                 return Some(false);
             }
             of_channel.extend(alone.evaluation.unexplained[channel]);
@@ -56,12 +56,6 @@ fn are_alike(shares: &[f64]) -> bool {
     let [least, most] =
         shares.iter().fold([f64::INFINITY, 0.0f64], |[least, most], share| [least.min(*share), most.max(*share)]);
     shares.is_empty() || most <= DIFFERS * least + CLEAN
-}
-
-/// Mean of some values; None of none.
-fn mean(values: impl Iterator<Item = f64>) -> Option<f64> {
-    let (sum, count) = values.fold((0.0, 0usize), |(sum, count), value| (sum + value, count + 1));
-    (count > 0).then(|| sum / count as f64)
 }
 
 #[cfg(test)]

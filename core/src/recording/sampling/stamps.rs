@@ -327,7 +327,6 @@ mod tests {
         assert!(spread.windows(2).all(|pair| pair[1] > pair[0]));
     }
 
-    /// Pairs of rows at 100 Hz, the second of each just behind the first.
     #[test]
     fn a_time_that_stands_is_no_time() {
         let single = vec![f64::from(1_764_321_152.0_f32); 50];
@@ -337,6 +336,7 @@ mod tests {
         assert!(standing(&moving).is_none() && standing(&[1.0; FEWEST - 1]).is_none());
     }
 
+    /// Pairs of rows at 100 Hz, the second of each just behind the first.
     #[test]
     fn bursts_are_spread_evenly() {
         let pairs = |apart: f64| -> Vec<f64> {

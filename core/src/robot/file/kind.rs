@@ -107,11 +107,8 @@ fn unfilled_names(description: &Description) -> Option<String> {
     let is_open = |name: &&str| name.contains("${") || name.contains("$(");
     let joints = description.joints.iter().map(|joint| joint.name.as_str());
     let first = joints.chain(description.links.iter().map(|link| link.name.as_str())).find(is_open)?;
-    let file = description.source.file_name().map_or_else(Default::default, |name| name.to_string_lossy());
-    Some(format!(
-        "names hold expressions of xacro that were not evaluated, as `{first}`: {}",
-        XACRO_CURE.replace("FILE", &file)
-    ))
+    let cure = cure_of(&description.source, XACRO_CURE);
+    Some(format!("names hold expressions of xacro that were not evaluated, as `{first}`: {cure}"))
 }
 
 fn is_robot(root: &Node) -> bool {
@@ -119,8 +116,13 @@ fn is_robot(root: &Node) -> bool {
 }
 
 fn refusal(path: &Path, line: Option<usize>, what: &str, cure: &str) -> Error {
+    Error::input(path, line, "the robot", format!("this is {what}: {}", cure_of(path, cure)))
+}
+
+/// A cure with the name of the file that it is for.
+fn cure_of(path: &Path, cure: &str) -> String {
     let name = path.file_name().map_or_else(|| path.display().to_string(), |name| name.to_string_lossy().into_owned());
-    Error::input(path, line, "the robot", format!("this is {what}: {}", cure.replace("FILE", &name)))
+    cure.replace("FILE", &name)
 }
 
 /// What to give in place of a folder.

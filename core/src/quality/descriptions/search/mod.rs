@@ -9,4 +9,4 @@ mod settle;
 mod smallest;
 
 pub(super) use settle::{are_of_bodies, opposite_zeros, settled};
-pub(super) use smallest::{Found, Outcome, search};
+pub(super) use smallest::{CLEAN, Found, Outcome, search};

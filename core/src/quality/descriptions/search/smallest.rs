@@ -33,7 +33,7 @@ const PROMISING: f64 = 0.3;
 const PATIENCE: usize = 2;
 
 /// Where the residual share of every torque is below this, nothing is wrong with the description.
-const CLEAN: f64 = 0.04;
+pub(in crate::quality::descriptions) const CLEAN: f64 = 0.04;
 
 /// The outcome of a search that found something.
 pub(in crate::quality::descriptions) struct Found {

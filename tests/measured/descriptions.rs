@@ -19,8 +19,9 @@ fn verdict(folder: &Path, urdf: &str, logs: &[&str]) -> Verdict {
 }
 
 #[test]
+#[ignore = "needs the folder of measured logs"]
 fn an_arm_that_hangs_on_a_wall() {
-    let Some(folder) = folder() else { return };
+    let folder = folder();
     let verdict = verdict(&folder, "ar5/ar5.urdf", &["ar5/ar5_real.csv"]);
     let [Change::Gravity(gravity)] = verdict.description.changes[..] else { panic!("{verdict:?}") };
     assert!(gravity[0] > 9.0 && gravity[1] == 0.0 && gravity[2] == 0.0, "{gravity:?}");
@@ -28,8 +29,9 @@ fn an_arm_that_hangs_on_a_wall() {
 }
 
 #[test]
+#[ignore = "needs the folder of measured logs"]
 fn one_torque_of_six_has_the_wrong_sign_in_all_logs() {
-    let Some(folder) = folder() else { return };
+    let folder = folder();
     let logs = ["shanghai/traj1.csv", "shanghai/traj2.csv", "shanghai/traj3.csv"];
     let all = verdict(&folder, "shanghai/shanghai.urdf", &logs);
     assert_eq!(all.description.changes, [Change::TorqueSign(2)]);
@@ -41,8 +43,9 @@ fn one_torque_of_six_has_the_wrong_sign_in_all_logs() {
 }
 
 #[test]
+#[ignore = "needs the folder of measured logs"]
 fn right_logs_are_not_accused() {
-    let Some(folder) = folder() else { return };
+    let folder = folder();
     let one: [(&str, &[&str]); 13] = [
         ("kr300/kr300_nominal.urdf", &["kr300/kr300_A.csv", "kr300/kr300_B.csv", "kr300/kr300_C.csv"]),
         ("tx40/tx40.urdf", &["tx40/tx40_1kHz.csv"]),
@@ -68,8 +71,9 @@ fn right_logs_are_not_accused() {
 }
 
 #[test]
+#[ignore = "needs the folder of measured logs"]
 fn a_clock_that_is_wrong_by_a_factor() {
-    let Some(folder) = folder() else { return };
+    let folder = folder();
     for (urdf, log) in [("ur5e/level.urdf", "ur5e/j4.csv"), ("ur5e/vertical.urdf", "ur5e/j5.csv")] {
         let report = together(&folder, urdf, &[log]).reports.remove(0);
         let factor = report.units.time_factor.unwrap();

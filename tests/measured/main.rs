@@ -1,5 +1,5 @@
-//! Public logs of real arms, where a folder has them (it is not part of the project): they load, their findings make
-//! sense, their base parameters are found. Without the folder these tests say "skipped".
+//! Public logs of real arms: they load, their findings make sense, their base parameters are found. They are not part of the project:
+//! `cargo test --release --test measured -- --ignored` runs these tests on a folder that has them.
 
 mod descriptions;
 mod diagnosis;
@@ -21,14 +21,11 @@ use tauscope::recording::Recording;
 use tauscope::robot::{self, InertiaCheck, Robot};
 
 /// The folder, from the environment or beside the project.
-fn folder() -> Option<PathBuf> {
+fn folder() -> PathBuf {
     let given = std::env::var_os("TAUSCOPE_MEASURED").map(PathBuf::from);
-    let found = given.or_else(|| Some(Path::new(env!("CARGO_MANIFEST_DIR")).parent()?.join("shared/measured")));
-    let found = found.filter(|folder| folder.is_dir());
-    if found.is_none() {
-        println!("skipped: no folder of measured logs");
-    }
-    found
+    let folder = given.unwrap_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/measured"));
+    assert!(folder.is_dir(), "no folder {}: give that of the measured logs in TAUSCOPE_MEASURED", folder.display());
+    folder
 }
 
 /// What a command prints with `--json`; it must end well.
@@ -78,8 +75,9 @@ fn with_effect(
 }
 
 #[test]
+#[ignore = "needs the folder of measured logs"]
 fn kuka_kr300() {
-    let Some(folder) = folder() else { return };
+    let folder = folder();
     let robot = arm(&folder, "kr300/kr300_nominal.urdf");
     let mut notes = Vec::new();
     let mut log = |name: &str| dataset::plain(&folder.join(name), &robot, &mut notes).unwrap().remove(0);
@@ -105,8 +103,9 @@ fn kuka_kr300() {
 }
 
 #[test]
+#[ignore = "needs the folder of measured logs"]
 fn staubli_tx40() {
-    let Some(folder) = folder() else { return };
+    let folder = folder();
     let robot = arm(&folder, "tx40/tx40.urdf");
     let report = report(&folder, "tx40/tx40_1kHz.csv", &robot);
     assert!(report.usable && (report.clock.rate_hz - 1000.0).abs() < 1e-6 && report.duration_s > 8.9);
@@ -124,8 +123,9 @@ fn staubli_tx40() {
 }
 
 #[test]
+#[ignore = "needs the folder of measured logs"]
 fn universal_robots_ur10() {
-    let Some(folder) = folder() else { return };
+    let folder = folder();
     let robot = arm(&folder, "ur10/ur10_kinematics_only.urdf");
     let report = report(&folder, "ur10/ur10_salerno.csv", &robot);
     assert!(report.usable && (report.clock.rate_hz - 125.0).abs() < 0.01 && report.rejected.is_empty());
@@ -149,8 +149,9 @@ fn universal_robots_ur10() {
 
 /// One sliding axis, slow in m/s; published (Janot, Gautier and Brunot 2019): 203.50 N s/m, 20.394 N, -3.165 N.
 #[test]
+#[ignore = "needs the folder of measured logs"]
 fn emps() {
-    let Some(folder) = folder() else { return };
+    let folder = folder();
     let robot = arm(&folder, "emps/emps.urdf");
     let log = dataset::plain(&folder.join("emps/emps_est.csv"), &robot, &mut Vec::new()).unwrap().remove(0);
     let smoothing = Smoothing::SavitzkyGolay { window: 121, order: 6, decimation: 10 };

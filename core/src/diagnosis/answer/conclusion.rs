@@ -11,7 +11,7 @@ use super::searched::{Searched, found_that_matter};
 use crate::channels::Channels;
 use crate::diagnosis::Options;
 use crate::diagnosis::criteria::Judgement;
-use crate::diagnosis::lack_of_fit::{above_noise, disagreement, mapped, not_separated};
+use crate::diagnosis::lack_of_fit::{Structure, above_noise, disagreement, mapped, not_separated};
 use crate::diagnosis::logs::{Input, split};
 use crate::diagnosis::model::{DataSet, Known, Member, Session};
 use crate::diagnosis::noise::Whitener;
@@ -226,7 +226,8 @@ fn answer<'a>(
         map,
         unfinished,
     } = circumstances;
-    let Searched { selection, minor, mut unexplained } = searched;
+    let Searched { selection, minor, structure } = searched;
+    let Structure { mut unexplained, rejected: mut rejected_structure } = structure;
     let Selection {
         mut found,
         mut rejected,
@@ -263,7 +264,9 @@ fn answer<'a>(
     let data_sets: &[&DataSet] = if unfinished { &[] } else { &[&session.logs.train, &session.logs.test] };
     let apart = || data_sets.iter().map(|data| map_on(&session, data, &members, options)).collect();
     let followed = mapped(&left, &session.logs.cutoffs_hz, &unexplained, &options.criteria, options.alpha, apart)?;
-    unexplained.extend(followed);
+    unexplained.extend(followed.unexplained);
+    rejected_structure.extend(followed.rejected);
+    rejected_structure.retain(|one| unexplained.iter().all(|left| left.joint != one.joint));
     let slow = not_separated(&left, &unexplained, &options.criteria);
     unexplained.extend(slow);
     let extended_test_rms = rms(&test.valid, &extended);
@@ -344,6 +347,7 @@ fn answer<'a>(
         minor,
         rejected,
         unexplained,
+        rejected_structure,
         map,
         load: None,
         unfinished,

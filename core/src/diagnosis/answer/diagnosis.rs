@@ -4,7 +4,7 @@ use super::inertias::Gain;
 use super::not_found::NotFound;
 use super::quantities::{Derived, Evidence, ResidualStructure, Share};
 use crate::diagnosis::criteria::{Criteria, Gate, Judgement, Levels};
-use crate::diagnosis::lack_of_fit::{LOGS_DISAGREE, Unexplained};
+use crate::diagnosis::lack_of_fit::{LOGS_DISAGREE, RejectedStructure, Unexplained};
 use crate::diagnosis::logs::LowPass;
 use crate::diagnosis::model::{Member, Session};
 use crate::diagnosis::regression::rms;
@@ -206,6 +206,8 @@ pub struct Diagnosis {
     pub unfinished: bool,
     /// Structure without a name.
     pub unexplained: Vec<Unexplained>,
+    /// Structure of joints without any that is reported, each with the gate that it failed.
+    pub rejected_structure: Vec<RejectedStructure>,
     /// Effects not found.
     pub not_found: Vec<NotFound>,
     /// What to do next.

@@ -70,6 +70,9 @@ pub(super) struct Document {
     extended: Option<Extended>,
     not_found: Vec<NotFound>,
     unexplained: Vec<Unexplained>,
+    /// What the residual of a joint seemed to follow, and which gate was against it.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    rejected_structure: Vec<RejectedFollows>,
     next_experiment: String,
     data_quality: Vec<Quality>,
     /// Whether the search was ended before it was done.
@@ -223,6 +226,15 @@ struct Unexplained {
     passed: Vec<Judgement>,
 }
 
+/// What the residual of a joint is not reported to follow.
+#[derive(Debug, Serialize)]
+struct RejectedFollows {
+    joint: String,
+    structure: &'static str,
+    /// The gate that it failed.
+    failed: Judgement,
+}
+
 #[derive(Debug, Serialize)]
 struct Quality {
     kind: QualityKind,
@@ -292,6 +304,11 @@ impl Document {
             family_wise_p: left.family_wise_p,
             nearest: diagnosis.nearest(left.joint).map(|minor| minor.found.member.candidate.family().effect),
             passed: left.passed.clone(),
+        });
+        let rejected_structure = diagnosis.rejected_structure.iter().map(|one| RejectedFollows {
+            joint: robot.joints[one.joint].name.clone(),
+            structure: one.structure,
+            failed: one.failed,
         });
         let mut data_quality = qualities(robot, faults);
         let held_out = "no test log was given: 30 % of every training log was held out";
@@ -373,6 +390,7 @@ impl Document {
             }),
             not_found: not_found.collect(),
             unexplained: unexplained.collect(),
+            rejected_structure: rejected_structure.collect(),
             unfinished: diagnosis.unfinished,
             next_experiment: diagnosis.next_experiment.clone(),
             data_quality,

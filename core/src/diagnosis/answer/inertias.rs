@@ -75,16 +75,16 @@ pub(super) fn all_inertias<'a>(
 ) -> Result<Outcome<'a>> {
     let criteria = &options.criteria.verdict;
     let is_body = |found: &&Found| found.member.placed.effect.about().site == Site::Body;
-    let Searched { selection, unexplained: left, .. } = trusting;
+    let Searched { selection, structure, .. } = trusting;
     let bodies = selection.found.iter().filter(is_body).count();
-    let left = certain(left);
+    let left = certain(&structure.unexplained);
     if (bodies <= criteria.wrong_bodies && left < criteria.wrong_bodies) || watch.is_over() {
         return Ok(Outcome::NotAsked);
     }
     let mut session = Session::knowing(trusted.model.base, Trust::Structure, known, train, test, options.criteria)?;
     let searched = Searched::new(&mut session, options, watch)?;
     let free = &searched.selection;
-    let left_free = certain(&searched.unexplained);
+    let left_free = certain(&searched.structure.unexplained);
     // Half a search is no comparison.
     if watch.is_over() {
         return Ok(Outcome::NotAsked);

@@ -2,7 +2,7 @@
 
 use crate::diagnosis::Options;
 use crate::diagnosis::criteria::Gate;
-use crate::diagnosis::lack_of_fit::{Unexplained, unexplained};
+use crate::diagnosis::lack_of_fit::{Structure, unexplained};
 use crate::diagnosis::model::Session;
 use crate::diagnosis::relevance::{Minor, eliminate, hold_undetermined, with_scatter};
 use crate::diagnosis::search::{Selection, select};
@@ -16,8 +16,8 @@ pub(super) struct Searched {
     pub selection: Selection,
     /// Smaller ones, not in the model.
     pub minor: Vec<Minor>,
-    /// Structure that no effect explains.
-    pub unexplained: Vec<Unexplained>,
+    /// Structure that no effect explains, and what was taken for none.
+    pub structure: Structure,
 }
 
 /// Searches for effects and takes out those that do not matter.
@@ -66,22 +66,23 @@ impl Searched {
         let all = select(session, options, watch)?;
         let (selection, minor) = those_that_matter(session, all.clone(), &[])?;
         if watch.is_over() {
-            return Ok(Searched { selection, minor, unexplained: Vec::new() });
+            return Ok(Searched { selection, minor, structure: Structure::default() });
         }
-        let left = unexplained(session, &selection, options.alpha)?;
+        let structure = unexplained(session, &selection, options.alpha)?;
         // An effect that is too small to matter is not, where without it structure is reported on its joint.
         let is_too_small = |joint: usize| {
             let of_size = minor.iter().filter(|minor| minor.failed.gate == Gate::Size);
             of_size.flat_map(|minor| minor.found.member.placed.joints()).any(|own| own == joint)
         };
-        let any_size: Vec<usize> = left.iter().map(|left| left.joint).filter(|joint| is_too_small(*joint)).collect();
+        let joints = structure.unexplained.iter().map(|left| left.joint);
+        let any_size: Vec<usize> = joints.filter(|joint| is_too_small(*joint)).collect();
         if any_size.is_empty() {
-            return Ok(Searched { selection, minor, unexplained: left });
+            return Ok(Searched { selection, minor, structure });
         }
         let mut again = all;
         again.settle(session)?;
         let (selection, minor) = those_that_matter(session, again, &any_size)?;
-        let unexplained = unexplained(session, &selection, options.alpha)?;
-        Ok(Searched { selection, minor, unexplained })
+        let structure = unexplained(session, &selection, options.alpha)?;
+        Ok(Searched { selection, minor, structure })
     }
 }

@@ -3,7 +3,7 @@
 //! The block tests estimate the noise spectrum from the residual itself, so that a slow, periodic or wandering residual is part of that
 //! noise. The tests of the mixed model need no noise spectrum.
 
-use super::structure::Unexplained;
+use super::structure::{RejectedStructure, Structure, Unexplained};
 use crate::diagnosis::criteria::{Criteria, Gate, Judgement, StructureCriteria};
 use crate::diagnosis::variance::{JointMap, Kind, Line, ResidualMap};
 use crate::error::Result;
@@ -27,29 +27,43 @@ pub(crate) fn mapped(
     criteria: &Criteria,
     alpha: f64,
     apart: impl FnOnce() -> Result<Vec<ResidualMap>>,
-) -> Result<Vec<Unexplained>> {
+) -> Result<Structure> {
     let level = criteria.structure.together * alpha;
     let count = map.joints.len() as f64;
     let open = map.joints.iter().filter(|own| known.iter().all(|left| left.joint != own.joint));
-    let shown: Vec<(&JointMap, Vec<Shown>)> = open
-        .map(|own| (own, shown(own, count, criteria.levels.most * cutoffs_hz[own.joint], level, &criteria.structure)))
-        .filter(|(_, shown)| !shown.is_empty())
-        .collect();
+    let rejected = |own: &JointMap, follows: Follows, failed: Judgement| RejectedStructure {
+        joint: own.joint,
+        structure: follows.meaning(),
+        failed,
+    };
+    let mut all = Structure::default();
+    let mut shown: Vec<(&JointMap, Vec<Shown>)> = Vec::new();
+    for own in open {
+        let highest_hz = criteria.levels.most * cutoffs_hz[own.joint];
+        let (large, small) = significant(own, count, highest_hz, level, &criteria.structure)
+            .into_iter()
+            .partition::<Vec<_>, _>(|shown| shown.large.passed);
+        all.rejected.extend(small.into_iter().map(|shown| rejected(own, shown.follows, shown.large)));
+        if !large.is_empty() {
+            shown.push((own, large));
+        }
+    }
     if shown.is_empty() {
-        return Ok(Vec::new());
+        return Ok(all);
     }
     let apart = apart()?;
-    let largest = |(own, shown): (&JointMap, Vec<Shown>)| {
-        let again = |shown: Shown| {
+    for (own, shown) in shown {
+        let mut confirmed: Vec<(Shown, Vec<Judgement>)> = Vec::new();
+        for shown in shown {
             let again = apart.iter().filter_map(|map| shown.follows.again(map, own.joint, criteria));
-            let passed: Vec<Judgement> = shown.passed.into_iter().chain(again).collect();
-            let failed = Judgement::first_failed(passed.iter().copied());
-            tracing::debug!(joint = own.joint, follows = shown.follows.meaning(), ?failed, "structure in all logs");
-            failed.is_none().then_some((shown, passed))
-        };
-        let again = shown.into_iter().filter_map(again);
-        let (largest, passed) = again.max_by(|(a, _), (b, _)| a.share.total_cmp(&b.share))?;
-        Some(Unexplained {
+            let passed: Vec<Judgement> = [shown.significant, shown.large].into_iter().chain(again).collect();
+            match Judgement::first_failed(passed.iter().copied()) {
+                Some(failed) => all.rejected.push(rejected(own, shown.follows, failed)),
+                None => confirmed.push((shown, passed)),
+            }
+        }
+        let largest = confirmed.into_iter().max_by(|(a, _), (b, _)| a.share.total_cmp(&b.share));
+        all.unexplained.extend(largest.map(|(largest, passed)| Unexplained {
             joint: own.joint,
             share: largest.share,
             structure: largest.follows.meaning(),
@@ -57,9 +71,9 @@ pub(crate) fn mapped(
             certain: false,
             instead_of: Vec::new(),
             passed,
-        })
-    };
-    Ok(shown.into_iter().filter_map(largest).collect())
+        }));
+    }
+    Ok(all)
 }
 
 /// What a residual follows.
@@ -76,8 +90,9 @@ struct Shown {
     /// Share of the residual's square.
     share: f64,
     family_wise_p: f64,
-    /// The gates that it passed.
-    passed: [Judgement; 2],
+    significant: Judgement,
+    /// Whether it is enough of the residual.
+    large: Judgement,
 }
 
 impl Follows {
@@ -106,15 +121,13 @@ impl Follows {
     }
 }
 
-/// What is significant at `level` on a joint, clear of the noise, and large enough.
-fn shown(own: &JointMap, joints: f64, highest_hz: f64, level: f64, criteria: &StructureCriteria) -> Vec<Shown> {
+/// What is significant at `level` on a joint, and clear of the noise.
+fn significant(own: &JointMap, joints: f64, highest_hz: f64, level: f64, criteria: &StructureCriteria) -> Vec<Shown> {
     let judged = |follows: Follows, rms: f64, family_wise_p: f64| {
         let share = (rms / own.residual).powi(2).min(1.0);
-        let passed = [
-            Judgement::at_most(Gate::Structure, family_wise_p, level),
-            Judgement::at_least(Gate::StructureShare, share, criteria.share_of_residual()),
-        ];
-        Judgement::first_failed(passed).is_none().then_some(Shown { follows, share, family_wise_p, passed })
+        let significant = Judgement::at_most(Gate::Structure, family_wise_p, level);
+        let large = Judgement::at_least(Gate::StructureShare, share, criteria.share_of_residual());
+        significant.passed.then_some(Shown { follows, share, family_wise_p, significant, large })
     };
     // A constant torque is a law of the library, which has been tested.
     let parts = own
@@ -151,7 +164,8 @@ mod tests {
 
     /// What is reported where the logs by themselves show the same.
     fn reported(map: &ResidualMap, cutoff_hz: f64, known: &[Unexplained]) -> Vec<Unexplained> {
-        mapped(map, &[cutoff_hz], known, &Criteria::default(), 0.05, || Ok(vec![map.clone(), map.clone()])).unwrap()
+        let apart = || Ok(vec![map.clone(), map.clone()]);
+        mapped(map, &[cutoff_hz], known, &Criteria::default(), 0.05, apart).unwrap().unexplained
     }
 
     #[test]
@@ -177,24 +191,31 @@ mod tests {
         let reported = |map: &ResidualMap, apart: [ResidualMap; 2]| {
             mapped(map, &[15.0], &[], &criteria, 0.05, || Ok(apart.into())).unwrap()
         };
+        let gates = |found: &Structure| found.rejected.iter().map(|one| one.failed.gate).collect::<Vec<Gate>>();
         let slow = map(0.6, 0.001, None);
-        let [left] = &reported(&slow, [map(0.6, 0.049, None), map(0.1, 0.049, None)])[..] else { panic!() };
+        let found = reported(&slow, [map(0.6, 0.049, None), map(0.1, 0.049, None)]);
         let again = [Judgement::below(Gate::StructureAgain, 0.049, criteria.levels.usual_p); 2];
-        assert_eq!(left.passed[2..], again);
-        assert!(reported(&slow, [map(0.6, 0.051, None), slow.clone()]).is_empty());
-        assert!(reported(&slow, [slow.clone(), map(0.6, 0.051, None)]).is_empty());
+        assert_eq!(found.unexplained[0].passed[2..], again);
+        assert!(found.rejected.is_empty());
+        for apart in [[map(0.6, 0.051, None), slow.clone()], [slow.clone(), map(0.6, 0.051, None)]] {
+            let found = reported(&slow, apart);
+            assert!(found.unexplained.is_empty() && gates(&found) == [Gate::StructureAgain], "{found:?}");
+        }
+        let small = reported(&map(0.29, 0.001, None), [slow.clone(), slow.clone()]);
+        assert!(small.unexplained.is_empty() && gates(&small) == [Gate::StructureShare], "{small:?}");
         // Logs that are too short for the test do not contradict it.
         let mut short = slow.clone();
         (short.joints[0].parts[0].p, short.joints[0].parts[0].family_wise_p) = (None, None);
-        assert_eq!(reported(&slow, [slow.clone(), short]).len(), 1);
+        assert_eq!(reported(&slow, [slow.clone(), short]).unexplained.len(), 1);
         let line = map(0.1, 0.5, Some((0.3, 1e-3)));
         let moved = |hz: f64| {
             let mut moved = line.clone();
             moved.joints[0].lines[0].hz = hz;
             moved
         };
-        assert_eq!(reported(&line, [line.clone(), moved(7.39)]).len(), 1);
-        assert!(reported(&line, [line.clone(), moved(7.41)]).is_empty());
-        assert!(reported(&line, [line.clone(), slow]).is_empty());
+        assert_eq!(reported(&line, [line.clone(), moved(7.39)]).unexplained.len(), 1);
+        for apart in [[line.clone(), moved(7.41)], [line.clone(), slow]] {
+            assert_eq!(gates(&reported(&line, apart)), [Gate::SameLine]);
+        }
     }
 }

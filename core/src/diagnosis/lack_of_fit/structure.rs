@@ -30,6 +30,35 @@ pub struct Unexplained {
     pub passed: Vec<Judgement>,
 }
 
+/// Structure that a joint's training rows show, and that failed a gate.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RejectedStructure {
+    /// The joint.
+    pub joint: usize,
+    /// What its residual would follow.
+    pub structure: &'static str,
+    /// The gate that it failed.
+    pub failed: Judgement,
+}
+
+/// What was looked for in the residual: structure, and what was taken for none.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(crate) struct Structure {
+    /// That which is reported.
+    pub unexplained: Vec<Unexplained>,
+    /// That which failed a gate.
+    pub rejected: Vec<RejectedStructure>,
+}
+
+impl Extend<Structure> for Structure {
+    fn extend<T: IntoIterator<Item = Structure>>(&mut self, more: T) {
+        for Structure { unexplained, rejected } in more {
+            self.unexplained.extend(unexplained);
+            self.rejected.extend(rejected);
+        }
+    }
+}
+
 /// A member of the model that structure replaces.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Replaced {
@@ -247,12 +276,19 @@ impl<'a> Fitted<'a> {
         self.under(joint, self.session.noise_with_more_on(joint, self.whitener(), &with))
     }
 
-    /// A block as the structure of its joint, if the held-out rows show it too, and it is large enough or replaces a finding.
-    pub(super) fn weighed(&self, place: &Place, block: &Block, again: &Block, seen: Seen) -> Option<Unexplained> {
+    /// A block as the structure of its joint, if the held-out rows show it too, and it is large enough or replaces a finding; else the
+    /// gate that it failed.
+    pub(super) fn weighed(
+        &self,
+        place: &Place,
+        block: &Block,
+        again: &Block,
+        seen: Seen,
+    ) -> std::result::Result<Unexplained, Judgement> {
         let (joint, structure) = (place.joint, block.structure);
         let Seen { under, whitened, test, p, family_wise_p } = seen;
         let Again { chance, gained, significant } =
-            if block.over_time { self.seen_again(&under, again)? } else { self.gained(&under, joint, block, again) };
+            if block.over_time { self.seen_again(&under, again) } else { self.gained(&under, joint, block, again) };
         let with = |level: f64| fisher([level.min(1.0), chance].map(|p| p.max(f64::MIN_POSITIVE).ln())).exp();
         tracing::debug!(joint, structure, chance, gained, ?significant, "structure on held-out rows");
         let levels = &self.session.criteria.levels;
@@ -276,22 +312,26 @@ impl<'a> Fitted<'a> {
         tracing::debug!(joint, structure, share, ?way, ?instead_of, "structure weighed");
         let passed = match way {
             Some(way) if large.passed => way.iter().copied().chain([large]).collect(),
-            _ if instead_of.is_empty() => return None,
+            _ if instead_of.is_empty() => {
+                let failed = Judgement::first_failed(ways[0]).filter(|_| way.is_none());
+                return Err(failed.unwrap_or(large));
+            }
             _ => of_finding.to_vec(),
         };
-        Some(Unexplained { joint, share, structure, family_wise_p: Some(family_wise_p), certain, instead_of, passed })
+        Ok(Unexplained { joint, share, structure, family_wise_p: Some(family_wise_p), certain, instead_of, passed })
     }
 
-    /// Evidence of the held-out rows for a block that goes with time: fitted to them by themselves, as far as the model leaves it.
-    fn seen_again(&self, under: &Under, again: &Block) -> Option<Again> {
+    /// Evidence of the held-out rows for a block that goes with time: fitted to them by themselves, as far as the model leaves it. Rows
+    /// that do not determine it show nothing.
+    fn seen_again(&self, under: &Under, again: &Block) -> Again {
         let PreparedLogs { test, .. } = &self.session.logs;
         let model = [self.held_out_columns.as_slice(), self.held_out_errors.columns()].concat();
         let fit = under.on_held_out.fit(&model, &test.torque);
         let whitened = under.on_held_out.apply_all(&again.columns);
-        let found = fit.test(&whitened)?;
-        let chance = against_slow_noise(&test.rows, &under.on_held_out, &fit, &whitened, &found).exp();
+        let slow = |found: Test| against_slow_noise(&test.rows, &under.on_held_out, &fit, &whitened, &found).exp();
+        let chance = fit.test(&whitened).map_or(1.0, slow);
         let significant = Judgement::below(Gate::StructureAgain, chance, self.session.criteria.levels.strict_p);
-        Some(Again { chance, gained: significant.passed, significant })
+        Again { chance, gained: significant.passed, significant }
     }
 
     /// Evidence of the held-out rows for a block that follows from the motion, as fitted to the training rows.

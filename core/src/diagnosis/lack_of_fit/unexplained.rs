@@ -2,7 +2,7 @@
 //! structure, and whether a finding is only a part of that.
 
 use super::harmonics::Spectrum;
-use super::structure::{Fitted, Place, Replaced, Under, Unexplained, is_weighed};
+use super::structure::{Fitted, Place, RejectedStructure, Replaced, Structure, Under, Unexplained, is_weighed};
 use crate::diagnosis::criteria::{Gate, Judgement};
 use crate::diagnosis::evidence::{Block, Reach, blocks, slow_cosines};
 use crate::diagnosis::model::{PreparedLogs, Session};
@@ -19,14 +19,19 @@ const COSINES: usize = 6;
 /// Kinds of structure that are tested besides the blocks: drifts, and harmonics that come and go.
 const OTHER_KINDS: usize = 2;
 
+/// What a harmonic that is no ripple is.
+const HARMONIC: &str = "is a harmonic of the joint's position that comes and goes";
+
 /// Tests every joint for structure at a family-wise level; it must also show in the held-out logs.
 ///
 /// A controller feeds the noise of its encoders back, and the torque that makes goes with the motion. A residual that is no larger than the
 /// white noise of the torque has no structure to report; findings are compared with it all the same.
 ///
+/// What training rows show is rejected with the gate that it fails.
+///
 /// # Errors
 /// If a log is too short to differentiate.
-pub(crate) fn unexplained(session: &Session, selection: &Selection, alpha: f64) -> Result<Vec<Unexplained>> {
+pub(crate) fn unexplained(session: &Session, selection: &Selection, alpha: f64) -> Result<Structure> {
     let model = Fitted::new(session, selection, alpha)?;
     let PreparedLogs { train, test, .. } = &session.logs;
     let residual = rms(&test.rows.valid, &selection.held_out);
@@ -39,18 +44,24 @@ pub(crate) fn unexplained(session: &Session, selection: &Selection, alpha: f64) 
         Judgement::at_least(Gate::AboveExpected, residual[joint] / noise, 1.0 + session.criteria.share_of_excess)
     };
     let on = |joint: usize| {
-        let mut left = model.left_on(joint)?;
-        let above = above_sensor(joint);
-        left.passed.push(above);
-        (above.passed || !left.instead_of.is_empty()).then_some(left)
+        let mut found = model.left_on(joint);
+        let failed = above_sensor(joint);
+        found.unexplained.iter_mut().for_each(|left| left.passed.push(failed));
+        if !failed.passed && found.unexplained.iter().all(|left| left.instead_of.is_empty()) {
+            let none = found.unexplained.drain(..);
+            found.rejected.extend(none.map(|left| RejectedStructure { joint, structure: left.structure, failed }));
+        }
+        found
     };
-    let each: Vec<Option<Unexplained>> = (0..train.rows.dof()).into_par_iter().map(on).collect();
-    Ok(each.into_iter().flatten().collect())
+    let each: Vec<Structure> = (0..train.rows.dof()).into_par_iter().map(on).collect();
+    let mut all = Structure::default();
+    all.extend(each);
+    Ok(all)
 }
 
 impl Fitted<'_> {
-    /// The likeliest structure of a joint.
-    fn left_on(&self, joint: usize) -> Option<Unexplained> {
+    /// The likeliest structure of a joint, and what failed a gate.
+    fn left_on(&self, joint: usize) -> Structure {
         let PreparedLogs { train, test, .. } = &self.session.logs;
         let reach = Reach::new(&train.rows, joint);
         let again = blocks(self.session, test, joint, reach);
@@ -63,7 +74,7 @@ impl Fitted<'_> {
             has_names: self.members.iter().any(|member| is_weighed(member, joint)),
             under: self.under(joint, self.whitener().clone()),
         };
-        let mut best: Option<Unexplained> = None;
+        let (mut best, mut rejected): (Option<Unexplained>, Vec<RejectedStructure>) = Default::default();
         for (block, again) in kinds {
             let Some(seen) = self.seen(&place, &block) else { continue };
             // What replaces a finding comes before what does not, then the likelier.
@@ -72,7 +83,13 @@ impl Fitted<'_> {
             if is_weaker && is_settled {
                 continue;
             }
-            let Some(mut weighed) = self.weighed(&place, &block, &again, seen) else { continue };
+            let mut weighed = match self.weighed(&place, &block, &again, seen) {
+                Ok(weighed) => weighed,
+                Err(failed) => {
+                    rejected.push(RejectedStructure { joint, structure: block.structure, failed });
+                    continue;
+                }
+            };
             if weighed.instead_of.is_empty()
                 && (is_weaker || best.as_ref().is_some_and(|best| !best.instead_of.is_empty()))
             {
@@ -84,7 +101,19 @@ impl Fitted<'_> {
             weighed.instead_of.extend(others);
             best = Some(weighed);
         }
-        best.or_else(|| self.wandering_harmonic(&place)).or_else(|| self.drift(&place))
+        let harmonic = match best {
+            Some(best) => Some(Ok(best)),
+            None => self.wandering_harmonic(&place),
+        };
+        let of_harmonic = |failed| RejectedStructure { joint, structure: HARMONIC, failed };
+        let best = match harmonic {
+            Some(Ok(best)) => Some(best),
+            none => {
+                rejected.extend(none.and_then(std::result::Result::err).map(of_harmonic));
+                self.drift(&place)
+            }
+        };
+        Structure { unexplained: best.into_iter().collect(), rejected }
     }
 
     /// What drifts over each log: the power at the slowest frequencies against that at those above them, since how strong slow noise
@@ -111,8 +140,9 @@ impl Fitted<'_> {
         })
     }
 
-    /// A harmonic of the joint's position that comes and goes, seen in the held-out rows too.
-    fn wandering_harmonic(&self, place: &Place) -> Option<Unexplained> {
+    /// A harmonic of the joint's position that comes and goes, seen in the held-out rows too, or the gate that it failed there. None where
+    /// the training rows show none.
+    fn wandering_harmonic(&self, place: &Place) -> Option<std::result::Result<Unexplained, Judgement>> {
         let PreparedLogs { train, test, .. } = &self.session.logs;
         let Place { joint, tests, ref under, .. } = *place;
         let Under { whitener, on_held_out, fit, .. } = under;
@@ -120,21 +150,25 @@ impl Fitted<'_> {
         let family_wise_p = tests * found.log_p.exp();
         let residual = on_held_out.apply(&self.before.only(&[joint]));
         let significant = Judgement::below(Gate::Structure, family_wise_p, self.certain);
-        let again = significant
-            .passed
-            .then(|| Spectrum::new(&test.rows, on_held_out, &residual, joint).at(found.order))
-            .flatten()?;
+        if !significant.passed {
+            return None;
+        }
+        let again = Spectrum::new(&test.rows, on_held_out, &residual, joint).at(found.order)?;
         tracing::debug!(joint, ?found, ?again, "harmonic");
         let levels = &self.session.criteria.levels;
         let confirmed = Judgement::below(Gate::StructureAgain, again.log_p.exp(), levels.usual_p);
-        confirmed.passed.then(|| Unexplained {
-            joint,
-            share: found.share,
-            structure: "is a harmonic of the joint's position that comes and goes",
-            family_wise_p: Some(family_wise_p),
-            certain: again.log_p < levels.strict_p.ln(),
-            instead_of: Vec::new(),
-            passed: vec![significant, confirmed],
+        Some(if confirmed.passed {
+            Ok(Unexplained {
+                joint,
+                share: found.share,
+                structure: HARMONIC,
+                family_wise_p: Some(family_wise_p),
+                certain: again.log_p < levels.strict_p.ln(),
+                instead_of: Vec::new(),
+                passed: vec![significant, confirmed],
+            })
+        } else {
+            Err(confirmed)
         })
     }
 }

@@ -69,8 +69,11 @@ impl<'a> Session<'a> {
         {
             tracing::debug!(?likeliest, ?own, "cut-offs of the joints");
             (session.logs.train, session.logs.test, session.logs.cutoffs_hz) = (train, test, own);
+            // A band above the low-pass of the torque is not seen in it, and its factor would fit anything.
+            let seen_hz = passband.map_or(f64::INFINITY, |low_pass| low_pass.hz);
+            let up_to: Vec<f64> = session.logs.cutoffs_hz.iter().map(|hz| hz.min(seen_hz)).collect();
             for set in [&mut session.logs.train, &mut session.logs.test] {
-                set.bands = smoothing::bands(&session.model.arm, &set.rows, &likeliest, &session.logs.cutoffs_hz)?;
+                set.bands = smoothing::bands(&session.model.arm, &set.rows, &likeliest, &up_to)?;
             }
             session.free_bands();
             session.model.arm = session.model.known.arm.clone();

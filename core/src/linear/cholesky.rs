@@ -4,6 +4,7 @@ use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::{LltRegularization, cholesky_in_place, cholesky_in_place_scratch};
 use faer::linalg::cholesky::llt::inverse::{inverse, inverse_scratch};
 use faer::linalg::cholesky::llt::solve::solve_in_place;
+use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
 use faer::{MatMut, MatRef, Par, Spec};
 use nalgebra::{DMatrix, DVector};
 
@@ -27,10 +28,33 @@ impl Cholesky {
     /// What the matrix takes to `right`.
     pub(crate) fn solve(&self, right: &DVector<f64>) -> DVector<f64> {
         let mut solution = right.clone();
-        let size = solution.len();
-        let target = MatMut::from_column_major_slice_mut(solution.as_mut_slice(), size, 1);
-        solve_in_place(self.factor(), target, Par::Seq, MemStack::new(&mut []));
+        self.solve_in_place(solution.as_mut_slice(), 1);
         solution
+    }
+
+    /// What the matrix takes to each column of `right`.
+    pub(crate) fn solve_columns(&self, mut right: DMatrix<f64>) -> DMatrix<f64> {
+        let columns = right.ncols();
+        self.solve_in_place(right.as_mut_slice(), columns);
+        right
+    }
+
+    fn solve_in_place(&self, right: &mut [f64], columns: usize) {
+        let target = MatMut::from_column_major_slice_mut(right, self.lower.nrows(), columns);
+        solve_in_place(self.factor(), target, Par::Seq, MemStack::new(&mut []));
+    }
+
+    /// What the lower triangular factor takes to each column of `right`.
+    pub(crate) fn solve_lower(&self, mut right: DMatrix<f64>) -> DMatrix<f64> {
+        let columns = right.ncols();
+        let target = MatMut::from_column_major_slice_mut(right.as_mut_slice(), self.lower.nrows(), columns);
+        solve_lower_triangular_in_place(self.factor(), target, Par::Seq);
+        right
+    }
+
+    /// Logarithm of the determinant of the matrix.
+    pub(crate) fn log_determinant(&self) -> f64 {
+        2.0 * self.lower.diagonal().iter().map(|x| x.ln()).sum::<f64>()
     }
 
     /// The inverse of the matrix.
@@ -67,7 +91,12 @@ mod tests {
             let right = DVector::from_fn(size, |r, _| (r as f64).sin());
             let factored = Cholesky::new(matrix.clone()).unwrap();
             assert!((&matrix * factored.solve(&right) - &right).amax() < 1e-10);
-            assert!((matrix * factored.inverse() - DMatrix::identity(size, size)).amax() < 1e-10);
+            assert!((&matrix * factored.inverse() - DMatrix::identity(size, size)).amax() < 1e-10);
+            assert!((&matrix * factored.solve_columns(half.clone()) - &half).amax() < 1e-10);
+            // The factor's solution has the inner products of the inverse.
+            let solved = factored.solve_lower(half.clone());
+            assert!((solved.tr_mul(&solved) - half.tr_mul(&(factored.inverse() * &half))).amax() < 1e-10);
+            assert!((factored.log_determinant() - matrix.determinant().ln()).abs() < 1e-9 * (1.0 + size as f64));
         }
     }
 

@@ -47,6 +47,11 @@ impl<'a> HeldFit<'a> {
         self.blocks.baseline.clone().chain(members).collect()
     }
 
+    /// Places of all columns of a member, with those of its shapes.
+    pub(super) fn columns_of(&self, member: usize) -> Range<usize> {
+        self.blocks.members[member].all()
+    }
+
     /// Places of the columns of a member's law.
     pub(super) fn law(&self, member: usize) -> Range<usize> {
         self.blocks.members[member].amplitudes.clone()

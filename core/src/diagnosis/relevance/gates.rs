@@ -11,6 +11,8 @@ use crate::effects::{Placed, Scope, Site};
 use crate::error::Result;
 use rayon::prelude::*;
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
+use std::collections::HashMap;
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// What the gates judge by.
 #[derive(Debug)]
@@ -31,7 +33,12 @@ pub(super) struct Judge<'a> {
     all_columns: Vec<Column>,
     /// Torque of the arm along them, `[joint][row]`, N m.
     torques: Vec<Vec<f64>>,
+    /// What members explain beyond generic functions, as far as that was worked out: most of it is asked again after every elimination.
+    beyond: Mutex<HashMap<LawOnJoint, Option<f64>>>,
 }
+
+/// A member, one of its joints, and the other members that have torque there.
+type LawOnJoint = (usize, usize, Vec<usize>);
 
 /// A finding with its judgements.
 #[derive(Debug)]
@@ -78,7 +85,8 @@ impl<'a> Judge<'a> {
         let all_logs = session.over_all_logs();
         let all_columns = all_logs.model.columns(&all_logs.logs.train, members)?;
         let torques = torques(&all_logs.model.arm, &all_logs.logs.train.rows);
-        Ok(Judge { session, members, fit, on_held_out, least, noise, baseline, all_logs, all_columns, torques })
+        let beyond = Mutex::default();
+        Ok(Judge { session, members, fit, on_held_out, least, noise, baseline, all_logs, all_columns, torques, beyond })
     }
 
     /// Judges every member at `kept` but those that are held, which do not rest on residuals.
@@ -199,21 +207,37 @@ impl<'a> Judge<'a> {
         own_joints(member).iter().map(share).fold(0.0, f64::max)
     }
 
+    /// Gain of a member over generic functions on one joint, with `others` in the model.
+    fn gain(&self, member: usize, others: &[usize], joint: usize) -> Option<f64> {
+        let has_torque = |other: &usize| {
+            self.all_columns[self.fit.columns_of(*other)].iter().any(|column| column.part(joint).is_some())
+        };
+        let others: Vec<usize> = others.iter().copied().filter(has_torque).collect();
+        let question = (member, joint, others);
+        if let Some(known) = self.known_gains().get(&question) {
+            return *known;
+        }
+        let fixed: Vec<Column> =
+            self.fit.places(&question.2).into_iter().map(|place| self.all_columns[place].clone()).collect();
+        let law = &self.all_columns[self.fit.law(member)];
+        let (logs, resolved) = (&self.all_logs.logs.train, self.session.criteria.levels.most);
+        let gain = gain_over_generic_functions(logs, &self.torques, &fixed, law, joint, resolved);
+        self.known_gains().insert(question, gain);
+        gain
+    }
+
+    fn known_gains(&self) -> MutexGuard<'_, HashMap<LawOnJoint, Option<f64>>> {
+        self.beyond.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
     /// What the member at `kept[index]` explains beyond generic functions, with the others in the model; passed where the rows of that
     /// comparison are too long for its law. A few numbers from the training logs that predict most of what the held-out ones have beyond
     /// the noise are a law, too, also where generic functions that are fitted to both explain as much.
     pub(super) fn beyond_structure(&self, kept: &[usize], index: usize) -> Judgement {
         let threshold = self.session.criteria.levels.log_odds;
         let others: Vec<usize> = kept.iter().copied().filter(|&other| other != kept[index]).collect();
-        let fixed: Vec<Column> =
-            self.fit.places(&others).into_iter().map(|place| self.all_columns[place].clone()).collect();
-        let law = &self.all_columns[self.fit.law(kept[index])];
         let joints = self.members[kept[index]].candidate.joints().into_iter();
-        let resolved = self.session.criteria.levels.most;
-        let gains = joints.map(|joint| {
-            gain_over_generic_functions(&self.all_logs.logs.train, &self.torques, &fixed, law, joint, resolved)
-        });
-        match gains.sum::<Option<f64>>() {
+        match joints.map(|joint| self.gain(kept[index], &others, joint)).sum::<Option<f64>>() {
             Some(gain) => {
                 let gained = gain >= threshold;
                 let passed = gained || self.predicted(kept, &others, index) >= self.session.criteria.verdict.explained;

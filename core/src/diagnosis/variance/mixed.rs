@@ -1,8 +1,8 @@
 //! Restricted maximum likelihood of the strengths of random effects.
 
 use super::design::Design;
-use crate::linear::transposed_product;
-use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+use crate::linear::{Cholesky, transposed_product};
+use nalgebra::{DMatrix, DVector};
 
 /// Most rounds of the fixed point, and the change of every strength, over itself and the noise, at which it has converged.
 const ROUNDS: usize = 40;
@@ -31,7 +31,7 @@ pub(super) struct Posterior {
     /// Columns of the design that are present.
     pub columns: Vec<usize>,
     /// The factor of A.
-    pub factor: Cholesky<f64, Dyn>,
+    pub factor: Cholesky,
 }
 
 impl Posterior {
@@ -50,7 +50,7 @@ impl Posterior {
         }
         let mut a = design.gram.select_rows(&columns).select_columns(&columns) / noise;
         prior.into_iter().enumerate().for_each(|(k, precision)| a[(k, k)] += precision);
-        Some(Posterior { factor: a.cholesky()?, columns })
+        Some(Posterior { factor: Cholesky::new(a)?, columns })
     }
 
     /// Means of the random effects, given the torque.
@@ -61,19 +61,13 @@ impl Posterior {
     /// What is outside the reach of the random effects, shrunk as they are: `(I - Z A^-1 Z' / noise) columns`.
     pub(super) fn residual_of(&self, design: &Design, columns: &DMatrix<f64>, noise: f64) -> DMatrix<f64> {
         let z = design.z.select_columns(&self.columns);
-        columns - &z * self.factor.solve(&(transposed_product(&z, columns) / noise))
+        columns - &z * self.factor.solve_columns(transposed_product(&z, columns) / noise)
     }
 
     /// Directions `W` that the random effects take of the rows: `W W' = Z A^-1 Z' / noise`.
     pub(super) fn directions(&self, design: &Design, noise: f64) -> DMatrix<f64> {
         let z = design.z.select_columns(&self.columns).transpose() / noise.sqrt();
-        // The factor has a positive diagonal.
-        self.factor.l_dirty().solve_lower_triangular(&z).map_or_else(|| z.transpose(), |solved| solved.transpose())
-    }
-
-    /// Logarithm of the determinant of A.
-    fn log_determinant(&self) -> f64 {
-        2.0 * self.factor.l_dirty().diagonal().iter().map(|x| x.ln()).sum::<f64>()
+        self.factor.solve_lower(z).transpose()
     }
 }
 
@@ -158,7 +152,8 @@ fn settled(design: &Design, strengths: Vec<f64>, noise: f64) -> Fit {
     }
     // The marginal covariance of the torque is V = noise I + sum s^2 Z Z': log |V| = rows log noise + log |A| + sum log s^2.
     let along = mean.dot(&design.right.select_rows(&posterior.columns)) / noise;
-    fit.log_likelihood = -0.5 * (free * noise.ln() + posterior.log_determinant() + log_prior + square / noise - along);
+    fit.log_likelihood =
+        -0.5 * (free * noise.ln() + posterior.factor.log_determinant() + log_prior + square / noise - along);
     fit
 }
 

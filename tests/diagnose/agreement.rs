@@ -14,7 +14,9 @@ const SAME: f64 = 3.5;
 fn estimates(truth: &Placed, seed: u64) -> [Vec<(f64, f64)>; 2] {
     let all = logs(&with(std::slice::from_ref(truth)), seed, 3);
     let diagnosis = diagnosed(&SETUP.known, &all, &[truth.effect.about().name]);
-    let [found] = &diagnosis.found[..] else { panic!("{:?}", diagnosis.found) };
+    let [found] = &diagnosis.found[..] else {
+        panic!("{}: {:?}, {:?}", truth.effect.about().name, diagnosis.found, (&diagnosis.minor, &diagnosis.rejected))
+    };
     let [a, b, held_out] = &all[..] else { panic!() };
     let (train, test): ([&Recording; 2], [&Recording; 1]) = ([a, b], [held_out]);
     let placed = vec![Placed::typical(truth.effect, truth.joint)];

@@ -66,6 +66,14 @@ pub(super) fn clear_of_noise(q: &[f64], rate_hz: f64) -> Result<f64> {
     highest_band(q, rate_hz, |band, noise| typical_power(band, block) > CLEAR * noise)
 }
 
+/// The lowest cut-off, Hz, above which the positions `q` hold much more noise of the encoder than motion, jerks included.
+///
+/// # Errors
+/// If there are too few samples for the filters.
+pub(super) fn mostly_noise(q: &[f64], rate_hz: f64) -> Result<f64> {
+    highest_band(q, rate_hz, |band, noise| inner_power(band, rate_hz) > CLEAR * noise)
+}
+
 fn cutoff_of(q: &[f64], rate_hz: f64) -> Result<f64> {
     highest_band(q, rate_hz, |band, noise| inner_power(band, rate_hz) > WHITE * noise)
 }

@@ -1,6 +1,6 @@
 //! One log made ready for the rows: its motion from smooth positions, its torque, and what passes either.
 
-use super::cutoffs::{ORDER, clear_of_noise};
+use super::cutoffs::{ORDER, clear_of_noise, mostly_noise};
 use crate::channels::Channels;
 use crate::dynamics::Motion;
 use crate::effects::unsmoothed;
@@ -52,6 +52,10 @@ pub struct Log {
     /// [`Log::unsmoothed`], once it has been computed.
     unsmoothed: OnceLock<Motion>,
 }
+
+/// What a position holds above the frequency of its motion is motion where it is so many times the median: seven standard deviations of
+/// normal noise.
+const UNUSUAL: f64 = 10.0;
 
 impl Log {
     /// A log with the positions of each joint smoothed at its own cut-off, Hz, and at `whole_hz` where that is higher; `passed` is the
@@ -150,6 +154,51 @@ impl Log {
         }
         let motion = unsmoothed(&self.measured, self.period)?;
         Ok(self.unsmoothed.get_or_init(|| motion))
+    }
+
+    /// The frequency above which the measured position of a joint is mostly noise, Hz.
+    ///
+    /// # Errors
+    /// If there are too few samples for the filters.
+    pub(crate) fn noise_from_hz(&self, joint: usize) -> Result<f64> {
+        mostly_noise(self.measured.channel(joint), 1.0 / self.period)
+    }
+
+    /// What the measured position of a joint holds above the frequency from which it is mostly noise, and its rate; zero where that
+    /// is far more than usual, which is motion, near the ends, where a low-pass knows too little, and where that frequency is not below
+    /// `seen_hz`.
+    ///
+    /// # Errors
+    /// If there are too few samples for the filters.
+    pub(crate) fn above_motion(&self, joint: usize, seen_hz: f64) -> Result<[Vec<f64>; 2]> {
+        let (measured, rate_hz) = (self.measured.channel(joint), 1.0 / self.period);
+        let hz = self.noise_from_hz(joint)?;
+        if hz >= seen_hz {
+            return Ok([0, 1].map(|_| vec![0.0; measured.len()]));
+        }
+        let mut motion = vec![0.0; measured.len()];
+        ZeroPhaseLowPass::new(ORDER, hz, rate_hz)?.apply(measured, &mut motion)?;
+        let mut above: Vec<f64> = measured.iter().zip(&motion).map(|(q, slow)| q - slow).collect();
+        let mut rate = vec![0.0; above.len()];
+        for k in 1..above.len().saturating_sub(1) {
+            rate[k] = 0.5 * (above[k + 1] - above[k - 1]) * rate_hz;
+        }
+        let mut sizes: Vec<f64> = above.iter().map(|x| x.abs()).collect();
+        let middle = sizes.len() / 2;
+        let usual = sizes.select_nth_unstable_by(middle, f64::total_cmp).1.to_owned();
+        let (settled, last) = ((MEMORY_OF_ENDS / hz * rate_hz) as usize, above.len().saturating_sub(1));
+        for (k, (above, rate)) in above.iter_mut().zip(&mut rate).enumerate() {
+            if above.abs() > UNUSUAL * usual || k.min(last - k) < settled {
+                (*above, *rate) = (0.0, 0.0);
+            }
+        }
+        Ok([above, rate])
+    }
+
+    /// Moves one measured position.
+    #[cfg(test)]
+    pub(crate) fn knock(&mut self, joint: usize, sample: usize, by: f64) {
+        self.measured.channel_mut(joint)[sample] += by;
     }
 
     /// Means over the blocks of a signal of this log.

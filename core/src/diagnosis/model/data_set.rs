@@ -22,7 +22,7 @@ pub struct DataSet {
     pub known: usize,
     /// Measured torque less that which is known; differences from that before a change where its rows are such.
     pub torque: Column,
-    /// Torque of what the positions hold above the likeliest cut-offs, which is motion in part and noise in part.
+    /// Torque of what the positions hold in the bands, which is motion in part and noise in part.
     pub bands: Vec<Column>,
     /// Whether it is the training set.
     pub training: bool,

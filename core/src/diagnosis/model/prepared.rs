@@ -13,7 +13,8 @@ pub struct PreparedLogs {
     pub train: DataSet,
     /// Held-out logs.
     pub test: DataSet,
-    /// Places of the columns of the bands in the baselines, one of each joint that moves: torque that the noise of its encoder makes.
+    /// Places of the columns in the baselines of torque that the noise of encoders makes: of the band of each joint, and what its controller
+    /// answers to.
     pub bands: Range<usize>,
     /// Whether these are others than those identified from.
     pub apart: bool,

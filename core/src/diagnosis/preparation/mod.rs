@@ -7,6 +7,7 @@
 
 mod coulomb_width;
 mod differences;
+mod feedback;
 mod filters;
 mod opening;
 mod passband;

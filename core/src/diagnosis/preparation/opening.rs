@@ -1,6 +1,7 @@
 //! How a session is opened: the low-passes that serve the logs, how sharply friction turns, and rows that are not to be used.
 
 use super::coulomb_width::{self, Likeliest};
+use super::feedback::feedback;
 use super::filters::{Preparation, Prepared};
 use super::smoothing;
 use crate::diagnosis::criteria::Criteria;
@@ -64,21 +65,25 @@ impl<'a> Session<'a> {
         let of_fit = (&noise.whitener, &noise.projection.residual);
         let likeliest = preparation.own_cutoffs((&session.model.arm, &session.logs.train.rows), of_fit, cutoff_hz)?;
         let own: Vec<f64> = likeliest.iter().map(|hz| preparation.raised(*hz)).collect();
+        // What is above the low-pass of the torque is not seen in it, and its factor would fit anything.
+        let seen_hz = passband.map_or(f64::INFINITY, |low_pass| low_pass.hz);
         if own.iter().any(|hz| *hz != cutoff_hz)
             && let Ok([train, test]) = preparation.data_sets(passband, &own)
         {
             tracing::debug!(?likeliest, ?own, "cut-offs of the joints");
             (session.logs.train, session.logs.test, session.logs.cutoffs_hz) = (train, test, own);
-            // A band above the low-pass of the torque is not seen in it, and its factor would fit anything.
-            let seen_hz = passband.map_or(f64::INFINITY, |low_pass| low_pass.hz);
-            let up_to: Vec<f64> = session.logs.cutoffs_hz.iter().map(|hz| hz.min(seen_hz)).collect();
-            for set in [&mut session.logs.train, &mut session.logs.test] {
-                set.bands = smoothing::bands(&session.model.arm, &set.rows, &likeliest, &up_to)?;
-            }
-            session.free_bands();
-            session.model.arm = session.model.known.arm.clone();
-            noise = session.settle_baseline()?;
         }
+        let noise_from = smoothing::noise_from_hz(&session.logs.train.rows)?;
+        let from: Vec<f64> =
+            likeliest.iter().zip(&noise_from).map(|(likeliest, noise)| likeliest.min(*noise)).collect();
+        let up_to: Vec<f64> = session.logs.cutoffs_hz.iter().map(|hz| hz.min(seen_hz)).collect();
+        tracing::debug!(?from, ?up_to, "bands of the encoders' noise");
+        for set in [&mut session.logs.train, &mut session.logs.test] {
+            set.bands = smoothing::bands(&session.model.arm, &set.rows, &from, &up_to)?;
+        }
+        session.free_noise_of_encoders(seen_hz)?;
+        session.model.arm = session.model.known.arm.clone();
+        noise = session.settle_baseline()?;
         let noisy = smoothing::noisy_once_moved(
             &session.model.arm,
             &session.logs.train.rows,
@@ -94,17 +99,19 @@ impl<'a> Session<'a> {
     }
 
     /// Frees what the motion of each joint in its band does to the torque, by one factor: as far as that is noise of the encoder, columns of
-    /// accelerations that hold it attenuate every estimate (errors in variables; Fuller, Measurement Error Models, 1987).
-    fn free_bands(&mut self) {
+    /// accelerations that hold it attenuate every estimate (errors in variables; Fuller, Measurement Error Models, 1987). What its controller
+    /// makes of that noise is free, too.
+    fn free_noise_of_encoders(&mut self, seen_hz: f64) -> Result<()> {
         let dof = self.model.base.dof();
-        let of_joints = |data: &DataSet| -> Vec<Column> {
+        let of_joints = |data: &DataSet| -> Result<Vec<Column>> {
             let sum = |on_each: &[Column]| Column::of(on_each.iter().flat_map(|column| column.parts.clone()).collect());
-            data.bands.chunks(dof).map(sum).collect()
+            Ok(data.bands.chunks(dof).map(sum).chain(feedback(&data.rows, seen_hz)?).collect())
         };
-        let columns = [of_joints(&self.logs.train), of_joints(&self.logs.test)];
+        let columns = [of_joints(&self.logs.train)?, of_joints(&self.logs.test)?];
         let place = self.blocks(&[]).known.start;
         self.logs.bands = place..place + columns[0].len();
         self.logs.insert(place, &columns);
+        Ok(())
     }
 
     /// Fits the arm without any effect; the noise is that under it.

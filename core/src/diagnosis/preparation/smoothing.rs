@@ -89,6 +89,16 @@ pub(super) fn noisy_once_moved(arm: &Arm, rows: &Rows, whitener: &Whitener, most
         .collect())
 }
 
+/// The frequency above which the positions of each joint are mostly noise, in the log where it is highest, Hz.
+///
+/// # Errors
+/// If a log is too short for the filters.
+pub(super) fn noise_from_hz(rows: &Rows) -> Result<Vec<f64>> {
+    let of_joint =
+        |joint: usize| rows.logs.iter().try_fold(0.0, |most: f64, log| Ok(most.max(log.noise_from_hz(joint)?)));
+    (0..rows.dof()).into_par_iter().map(of_joint).collect()
+}
+
 /// What the motion of each joint between a cut-off and the one that the rows are smoothed with, Hz, does to the torque of each joint:
 /// for every joint that moves one column on every joint.
 ///

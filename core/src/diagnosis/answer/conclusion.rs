@@ -7,11 +7,11 @@ use super::not_found::not_found;
 use super::outcome::{Conclusion, Measured};
 use super::quantities::{Evidence, Residuals, derived, residual_structure};
 use super::resimulation::{Replay, joints_of};
-use super::searched::{Searched, found_that_matter};
+use super::searched::{Searched, found_that_matter, map_on};
 use crate::channels::Channels;
 use crate::diagnosis::Options;
 use crate::diagnosis::criteria::Judgement;
-use crate::diagnosis::lack_of_fit::{Structure, above_noise, disagreement, mapped, not_separated};
+use crate::diagnosis::lack_of_fit::{Structure, above_noise, disagreement, not_separated};
 use crate::diagnosis::logs::{Input, split};
 use crate::diagnosis::model::{DataSet, Known, Member, Session};
 use crate::diagnosis::noise::Whitener;
@@ -162,12 +162,6 @@ fn residual_map(session: &Session, options: &Options) -> Result<ResidualMap> {
     map_on(&all, &all.logs.train, &[], options)
 }
 
-/// What the residual of the model with `members` follows in the logs of a data set, to which all columns of the model are fitted.
-fn map_on(session: &Session, data: &DataSet, members: &[Member], options: &Options) -> Result<ResidualMap> {
-    let columns = session.model.columns(data, members)?;
-    Ok(ResidualMap::new(data, &columns, &session.model.arm, &options.criteria, options.alpha, options.seed))
-}
-
 /// Residual of the arm as described, with the effects that the simulation has, on the held-out logs.
 fn as_described(session: &Session, present: &[Placed]) -> Result<Column> {
     let (rows, robot) = (&session.logs.test.rows, session.model.base.robot());
@@ -226,7 +220,7 @@ fn answer<'a>(
         map,
         unfinished,
     } = circumstances;
-    let Searched { selection, minor, structure } = searched;
+    let Searched { selection, minor, structure, map: left } = searched;
     let Structure { mut unexplained, rejected: mut rejected_structure } = structure;
     let Selection {
         mut found,
@@ -258,14 +252,6 @@ fn answer<'a>(
         unexplained.retain(|left| left.joint != other.joint || !left.instead_of.is_empty());
         unexplained.push(other);
     }
-    let all = session.over_all_logs();
-    let left = map_on(&all, &all.logs.train, &members, options)?;
-    // Where the search was ended, nothing but the map has looked for structure: there it decides alone.
-    let data_sets: &[&DataSet] = if unfinished { &[] } else { &[&session.logs.train, &session.logs.test] };
-    let apart = || data_sets.iter().map(|data| map_on(&session, data, &members, options)).collect();
-    let followed = mapped(&left, &session.logs.cutoffs_hz, &unexplained, &options.criteria, options.alpha, apart)?;
-    unexplained.extend(followed.unexplained);
-    rejected_structure.extend(followed.rejected);
     rejected_structure.retain(|one| unexplained.iter().all(|left| left.joint != one.joint));
     let slow = not_separated(&left, &unexplained, &options.criteria);
     unexplained.extend(slow);

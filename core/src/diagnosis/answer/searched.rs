@@ -2,10 +2,11 @@
 
 use crate::diagnosis::Options;
 use crate::diagnosis::criteria::Gate;
-use crate::diagnosis::lack_of_fit::{Structure, unexplained};
-use crate::diagnosis::model::Session;
+use crate::diagnosis::lack_of_fit::{Structure, mapped, unexplained};
+use crate::diagnosis::model::{DataSet, Member, Session};
 use crate::diagnosis::relevance::{Minor, eliminate, hold_undetermined, with_scatter};
-use crate::diagnosis::search::{Selection, select};
+use crate::diagnosis::search::{Selection, members, select};
+use crate::diagnosis::variance::ResidualMap;
 use crate::diagnosis::watch::Watch;
 use crate::error::Result;
 
@@ -18,6 +19,30 @@ pub(super) struct Searched {
     pub minor: Vec<Minor>,
     /// Structure that no effect explains, and what was taken for none.
     pub structure: Structure,
+    /// What the residual of the model follows in all logs.
+    pub map: ResidualMap,
+}
+
+/// What the residual of the model with `members` follows in the logs of a data set, to which all columns of the model are fitted.
+///
+/// # Errors
+/// If a log is too short to differentiate.
+pub(super) fn map_on(session: &Session, data: &DataSet, members: &[Member], options: &Options) -> Result<ResidualMap> {
+    let columns = session.model.columns(data, members)?;
+    Ok(ResidualMap::new(data, &columns, &session.model.arm, &options.criteria, options.alpha, options.seed))
+}
+
+/// Structure that a model leaves, by tests of blocks and by the map of the residual, and that map. Where the search was ended, nothing but
+/// the map looks for structure, and that of all logs decides alone.
+fn left(session: &Session, selection: &Selection, options: &Options, ended: bool) -> Result<(Structure, ResidualMap)> {
+    let members = members(&selection.found);
+    let all = session.over_all_logs();
+    let map = map_on(&all, &all.logs.train, &members, options)?;
+    let mut structure = if ended { Structure::default() } else { unexplained(session, selection, options.alpha)? };
+    let data_sets: &[&DataSet] = if ended { &[] } else { &[&session.logs.train, &session.logs.test] };
+    let apart = || data_sets.iter().map(|data| map_on(session, data, &members, options)).collect();
+    structure.merge(mapped(&map, &session.logs.cutoffs_hz, &options.criteria, options.alpha, apart)?);
+    Ok((structure, map))
 }
 
 /// Searches for effects and takes out those that do not matter.
@@ -65,10 +90,8 @@ impl Searched {
     pub(super) fn new(session: &mut Session, options: &Options, watch: &mut Watch) -> Result<Self> {
         let all = select(session, options, watch)?;
         let (selection, minor) = those_that_matter(session, all.clone(), &[])?;
-        if watch.is_over() {
-            return Ok(Searched { selection, minor, structure: Structure::default() });
-        }
-        let structure = unexplained(session, &selection, options.alpha)?;
+        let ended = watch.is_over();
+        let (structure, map) = left(session, &selection, options, ended)?;
         // An effect that is too small to matter is not, where without it structure is reported on its joint.
         let is_too_small = |joint: usize| {
             let of_size = minor.iter().filter(|minor| minor.failed.gate == Gate::Size);
@@ -76,13 +99,13 @@ impl Searched {
         };
         let joints = structure.unexplained.iter().map(|left| left.joint);
         let any_size: Vec<usize> = joints.filter(|joint| is_too_small(*joint)).collect();
-        if any_size.is_empty() {
-            return Ok(Searched { selection, minor, structure });
+        if ended || any_size.is_empty() {
+            return Ok(Searched { selection, minor, structure, map });
         }
         let mut again = all;
         again.settle(session)?;
         let (selection, minor) = those_that_matter(session, again, &any_size)?;
-        let structure = unexplained(session, &selection, options.alpha)?;
-        Ok(Searched { selection, minor, structure })
+        let (structure, map) = left(session, &selection, options, ended)?;
+        Ok(Searched { selection, minor, structure, map })
     }
 }

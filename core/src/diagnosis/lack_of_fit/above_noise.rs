@@ -48,6 +48,12 @@ const NOT_SEPARATED: &str = "is far above the noise, and not separated from nois
 /// How a joint is reported that misses much of its torque, far above the noise of its sensor, though the residual is like noise.
 const NOT_OF_SENSORS: &str = "is far above the noise of the sensor, and not separated from noise";
 
+/// Whether a residual of a joint is more than the white noise of its torque, by the least share that counts: one that is not has no
+/// structure to report. Controllers feed the noise of encoders back, and the torque that this makes goes with the motion as measured.
+pub(super) fn above_sensor(residual: f64, sensor_noise: f64, criteria: &Criteria) -> Judgement {
+    Judgement::at_least(Gate::AboveExpected, residual / sensor_noise, 1.0 + criteria.share_of_excess)
+}
+
 /// The joints whose residual in all logs is far above the noise of the map, but those on which something is reported already: with few
 /// independent blocks no part of it is significant, and yet it is not nothing. Quiet logs with noise that is correlated over
 /// half a second have up to 2.1 times that noise. The noise of the map is estimated from the residual. A residual that it takes for noise is

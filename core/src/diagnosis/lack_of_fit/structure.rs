@@ -50,6 +50,23 @@ pub(crate) struct Structure {
     pub rejected: Vec<RejectedStructure>,
 }
 
+impl Structure {
+    /// Adds what the map of the residual shows. Of a joint the larger is reported, unless what is reported already replaces a finding.
+    pub(crate) fn merge(&mut self, of_map: Structure) {
+        for mut shown in of_map.unexplained {
+            match self.unexplained.iter_mut().find(|left| left.joint == shown.joint) {
+                None => self.unexplained.push(shown),
+                Some(left) if left.instead_of.is_empty() && left.share < shown.share => {
+                    shown.certain |= left.certain;
+                    *left = shown;
+                }
+                Some(_) => {}
+            }
+        }
+        self.rejected.extend(of_map.rejected);
+    }
+}
+
 impl Extend<Structure> for Structure {
     fn extend<T: IntoIterator<Item = Structure>>(&mut self, more: T) {
         for Structure { unexplained, rejected } in more {

@@ -1,13 +1,14 @@
 //! The residual when no more effects pass: generic functions of the motion, of loads and of time show whether it has
 //! structure, and whether a finding is only a part of that.
 
+use super::above_noise::above_sensor;
 use super::harmonics::Spectrum;
 use super::structure::{Fitted, Place, RejectedStructure, Replaced, Structure, Under, Unexplained, is_weighed};
 use crate::diagnosis::criteria::{Gate, Judgement};
 use crate::diagnosis::evidence::{Block, Reach, blocks, slow_cosines};
 use crate::diagnosis::model::{PreparedLogs, Session};
 use crate::diagnosis::regression::rms;
-use crate::diagnosis::search::{Selection, members};
+use crate::diagnosis::search::Selection;
 use crate::error::Result;
 use rayon::prelude::*;
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
@@ -35,14 +36,8 @@ pub(crate) fn unexplained(session: &Session, selection: &Selection, alpha: f64) 
     let model = Fitted::new(session, selection, alpha)?;
     let PreparedLogs { train, test, .. } = &session.logs;
     let residual = rms(&test.rows.valid, &selection.held_out);
-    let solved = session.solved(&members(&selection.found), &selection.whitener)?;
-    let of_encoders = rms(&test.rows.valid, &session.of_bands(test, &solved));
-    let above_sensor = |joint: usize| {
-        let sensor = session.logs.sensor_noise(joint);
-        // What comes of the encoders' noise is in the model.
-        let noise = (sensor.powi(2) - of_encoders[joint].powi(2)).max(0.0).sqrt();
-        Judgement::at_least(Gate::AboveExpected, residual[joint] / noise, 1.0 + session.criteria.share_of_excess)
-    };
+    let above_sensor =
+        |joint: usize| above_sensor(residual[joint], session.logs.sensor_noise(joint), &session.criteria);
     let on = |joint: usize| {
         let mut found = model.left_on(joint);
         let failed = above_sensor(joint);

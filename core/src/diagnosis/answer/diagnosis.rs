@@ -287,9 +287,10 @@ fn predicts(found: &Found, noise: &[f64], criteria: &Criteria) -> Judgement {
     Judgement::at_most(Gate::Predicts, after / before, criteria.worse.powi(2)).or(after <= before)
 }
 
-/// Whether a delay or a lag is more than sampling makes: torque that is held over a step, or read at one end of it, is up to half a sample
-/// late or early. Logs may be slower than the loop that holds the torque: what is longer than half a servo cycle is of the sampling as long
-/// as it adds less than the `noise` to the held-out torque of every joint, root mean square. None for all other effects.
+/// Whether a delay or a lag is more than sampling makes: torque that is held over a step is half a sample late, and read at the other end of
+/// it than the positions it is another half sample away. Logs may be slower than the loop that holds the torque: what is longer than half a
+/// servo cycle is of the sampling as long as it adds less than the `noise` to the held-out torque of every joint, root mean square. None for
+/// all other effects.
 ///
 /// # Errors
 /// If a log is too short to differentiate.
@@ -299,13 +300,13 @@ pub(super) fn beyond_sampling(session: &Session, found: &Found, noise: &[f64]) -
         return Ok(None);
     }
     let Criteria { levels, verdict, .. } = &session.criteria;
-    let half_s = session.logs.train.rows.logs.first().map_or(0.0, |log| 0.5 * log.period);
+    let sample_s = session.logs.train.rows.logs.first().map_or(0.0, |log| log.period);
     let time_s = placed.parameters[0].abs();
     let test = &session.logs.test.rows;
     let added = session.model.arm.added_throughout(std::slice::from_ref(placed), test)?;
     let size = rms(&test.valid, &added[0]).iter().zip(noise).map(|(added, noise)| added / noise).fold(0.0, f64::max);
     let is_felt = time_s > verdict.sampling_s && size >= levels.bound_std;
-    Ok(Some(Judgement::above(Gate::Sampling, time_s / half_s, 1.0).or(is_felt)))
+    Ok(Some(Judgement::above(Gate::Sampling, time_s / sample_s, 1.0).or(is_felt)))
 }
 
 /// What to do next; `described` is the root mean square that the arm as described leaves of the held-out logs, `left` that of the extended

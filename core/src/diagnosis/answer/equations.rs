@@ -23,10 +23,12 @@ const HARDLY_MOVES: &str =
     "the joint hardly moves: nothing is looked for in its drive, its torque is left out, and the others are diagnosed";
 const MOVES_ONCE: &str = "the joint moves once, and what is held out of the logs to judge by has none of it: nothing is looked for in its drive, its \
                           torque is left out, and the others are diagnosed; move it again, or give a log of another motion as --test";
+const NOT_HELD_OUT: &str = "the joint moves in the training logs, and hardly in the held-out ones: nothing is looked for in its drive, its torque is \
+                            left out, and the others are diagnosed; give a held-out log in which it moves";
 const ALL: &str = "all logs";
 
 /// The joints of `robot` with an equation in the logs; those in `still` hardly move. Where no joint has one all keep theirs, and
-/// the diagnosis reports the fault; so it does where a joint moves in the training logs and not in the held-out ones.
+/// the diagnosis reports the fault.
 ///
 /// # Errors
 /// If a log is too short.
@@ -51,13 +53,18 @@ pub(super) fn observed(robot: &Robot, input: &Input, still: &[usize]) -> Result<
         Ok(valid.iter().map(|valid| valid.iter().filter(|&&ok| ok).count()).collect())
     };
     let moving = counts(&train)?;
-    let judged = if late.is_empty() { None } else { Some(counts(&late.iter().collect::<Vec<_>>())?) };
+    let held_out = if input.test.is_empty() { late.iter().collect() } else { input.test.clone() };
+    let judged = if held_out.is_empty() { None } else { Some(counts(&held_out)?) };
     for joint in 0..robot.dof() {
         let moves = moving[joint] >= FEWEST_ROWS;
         let is_judged = judged.as_ref().is_none_or(|judged| judged[joint] >= FEWEST_TEST_ROWS);
         if equations[joint] && (still.contains(&joint) || !moves || !is_judged) {
             equations[joint] = false;
-            let text = if moves && !still.contains(&joint) { MOVES_ONCE } else { HARDLY_MOVES };
+            let text = match moves && !still.contains(&joint) {
+                true if input.test.is_empty() => MOVES_ONCE,
+                true => NOT_HELD_OUT,
+                false => HARDLY_MOVES,
+            };
             left_out.push(without(joint, Kind::HardlyMoves, text.to_owned()));
         }
     }

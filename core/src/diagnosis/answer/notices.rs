@@ -81,7 +81,9 @@ pub(crate) fn sampling(robot: &Robot, diagnosis: &Diagnosis) -> Option<String> {
     let each: Vec<String> = each.collect();
     (!each.is_empty()).then(|| {
         let each = each.join(", ");
-        format!("{each}: less than half a sample, as sampling makes it; it is included in the model, not reported as a finding")
+        format!(
+            "{each}: less than a sample, as sampling makes it; it is included in the model, not reported as a finding"
+        )
     })
 }
 

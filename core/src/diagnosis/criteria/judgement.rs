@@ -66,7 +66,7 @@ pub enum Gate {
     ImpactsAlike,
     /// The play of a gear can be estimated: number of impacts whose time is determined.
     ImpactsTimed,
-    /// A delay or a lag is more than sampling makes: its time over half a sample.
+    /// A delay or a lag is more than sampling makes: its time over a sample.
     Sampling,
     /// Structure that no law explains is significant: family-wise p-value.
     Structure,
@@ -114,7 +114,7 @@ impl Gate {
             Gate::Impacts | Gate::ImpactsAlike => "shows in impacts no more than chance does",
             Gate::ImpactsAgain => "does not show in impacts of the held-out logs",
             Gate::ImpactsTimed => "has no impact whose time is determined",
-            Gate::Sampling => "is less than half a sample and less than the noise, as sampling makes it",
+            Gate::Sampling => "is less than a sample and less than the noise, as sampling makes it",
             Gate::Structure => "is not significant",
             Gate::StructureAgain => "does not show in the held-out logs",
             Gate::SameLine => "is no spectral line of the other logs",

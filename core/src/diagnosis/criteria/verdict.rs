@@ -21,7 +21,7 @@ pub struct VerdictCriteria {
     /// Wrong bodies beyond which, and joints with unexplained structure that is certain from which on, it is simpler to ask whether the
     /// inertias of the description are wrong as a whole.
     pub wrong_bodies: usize,
-    /// Delay or lag of at most half a sample, s, that the sampling of the loop makes, however small the noise: half of a servo cycle of 2 ms.
+    /// Delay or lag of at most a sample, s, that the sampling of the loop makes, however small the noise: half of a servo cycle of 2 ms.
     pub sampling_s: f64,
 }
 

@@ -1,6 +1,6 @@
 //! Spectral lines: vibration at a fixed frequency, whatever the motion.
 
-use crate::diagnosis::criteria::Criteria;
+use crate::diagnosis::criteria::StructureCriteria;
 use crate::diagnosis::logs::Rows;
 use serde::Serialize;
 use statrs::function::gamma::gamma_ur;
@@ -58,7 +58,7 @@ pub(super) fn lines(
     rows: &Rows,
     joint: usize,
     [residual, torque]: [&[f64]; 2],
-    criteria: &Criteria,
+    criteria: &StructureCriteria,
     alpha: f64,
 ) -> Vec<Line> {
     let valid = &rows.valid[joint];
@@ -109,8 +109,8 @@ pub(super) fn lines(
         let moved = |k: usize| {
             // Rows that are left out smear a line over its neighbourhood, so that peaks are compared.
             let strongest = |power: &[f64]| power[near(k, NEAR)].iter().copied().fold(0.0, f64::max);
-            of_motion[near(k, LINE)].iter().any(|ratio| *ratio > criteria.structure.of_the_motion)
-                && strongest(&own) < criteria.structure.share_of_residual() * strongest(&of_torque)
+            of_motion[near(k, LINE)].iter().any(|ratio| *ratio > criteria.of_the_motion)
+                && strongest(&own) < criteria.share_of_residual() * strongest(&of_torque)
         };
         let free = (0..grid.len()).filter(|&k| !moved(k));
         let Some(k) = free.max_by(|a, b| own_ratio[*a].total_cmp(&own_ratio[*b])).filter(|_| averaged > 0.0) else {
@@ -239,7 +239,7 @@ mod tests {
     fn a_line_is_found_with_its_frequency_and_size() {
         let rows = rows();
         let residual = sum(&noise(&rows, 1), &swing(&rows, 7.3, 1.0));
-        let criteria = Criteria::default();
+        let criteria = StructureCriteria::default();
         let found = lines(&rows, 0, [&residual, &vec![0.0; rows.len()]], &criteria, 0.01);
         assert_eq!(found.len(), 1, "{found:?}");
         assert!((found[0].hz - 7.3).abs() < 0.05, "{found:?}");
@@ -250,7 +250,7 @@ mod tests {
     fn noise_has_no_lines_and_those_of_the_motion_are_the_motions() {
         let rows = rows();
         let still = vec![0.0; rows.len()];
-        let criteria = Criteria::default();
+        let criteria = StructureCriteria::default();
         let alarms =
             (0..20).filter(|&seed| !lines(&rows, 0, [&noise(&rows, seed), &still], &criteria, 0.01).is_empty()).count();
         assert!(alarms <= 1, "{alarms}");

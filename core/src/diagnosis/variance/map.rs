@@ -164,7 +164,7 @@ impl ResidualMap {
             .map(|joint| {
                 let mut map = of_joint(&source, joint, &criteria.structure, seed);
                 let residual = residual(&source, joint);
-                map.lines = lines(rows, joint, [&residual, &torque[joint]], criteria, level / tested);
+                map.lines = lines(rows, joint, [&residual, &torque[joint]], &criteria.structure, level / tested);
                 map
             })
             .collect();

@@ -71,6 +71,7 @@ def identify(
     window: int | None = None,
     order: int | None = None,
     low_pass_hz: float | None = None,
+    block_means_hz: float | None = None,
     decimation: int | None = None,
     band: float | None = None,
     seed: int | None = None,
@@ -89,6 +90,7 @@ def identify(
         window=window,
         order=order,
         low_pass_hz=low_pass_hz,
+        block_means_hz=block_means_hz,
         decimation=decimation,
         band=band,
     )

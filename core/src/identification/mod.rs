@@ -31,7 +31,7 @@ pub use numerics::tsqr;
 pub(crate) use numerics::{gram, sequences, spectrum};
 pub use physical::consistent;
 pub(crate) use physical::nearest_body;
-pub(crate) use preparation::equal_states;
+pub(crate) use preparation::{equal_states, low_passed};
 pub use preparation::{prepare, reversals, smoothing_choice};
 pub(crate) use regression::{joint_regression, noise};
 pub use regression::{least_squares, linear_problem};

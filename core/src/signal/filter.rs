@@ -40,6 +40,8 @@ pub enum Filter {
     SavitzkyGolay(SavitzkyGolay),
     /// Butterworth low-pass, forward and backward.
     LowPass(ZeroPhaseLowPass),
+    /// Mean of a sample and those after it, so many together, fewer at the end: every n-th output is a mean over a block.
+    Means(usize),
 }
 
 impl Filter {
@@ -61,6 +63,11 @@ impl Filter {
                 filter.apply(input, output)
             }
             Filter::LowPass(filter) => filter.apply(input, output),
+            Filter::Means(samples) => {
+                check_same_length("filter", input, output)?;
+                means(input, *samples, 0, 1, output);
+                Ok(())
+            }
         }
     }
 
@@ -70,6 +77,7 @@ impl Filter {
             Filter::None => Some(0),
             Filter::SavitzkyGolay(filter) => Some(filter.window() / 2),
             Filter::LowPass(_) => None,
+            Filter::Means(samples) => Some(samples.saturating_sub(1)),
         }
     }
 
@@ -78,6 +86,7 @@ impl Filter {
     pub(crate) fn rows(&self, part: &[f64], first: usize, step: usize, output: &mut [f64]) {
         match self {
             Filter::SavitzkyGolay(filter) => filter.rows(part, first, step, output),
+            Filter::Means(samples) => means(part, *samples, first, step, output),
             Filter::None | Filter::LowPass(_) => {
                 output.iter_mut().zip(part[first..].iter().step_by(step)).for_each(|(y, x)| *y = *x);
             }
@@ -100,6 +109,11 @@ impl Filter {
                 filter.apply(input, &mut output)?;
                 downsample(&output, step)
             }
+            Filter::Means(samples) => {
+                let mut output = downsample(input, step)?;
+                means(input, *samples, 0, step, &mut output);
+                Ok(output)
+            }
         }
     }
 
@@ -115,6 +129,15 @@ impl Filter {
         let mut response = impulse.clone();
         self.apply(&impulse, &mut response)?;
         Ok(response.iter().map(|h| h * h).sum::<f64>().sqrt())
+    }
+}
+
+/// Means over `samples` values from `first`, `first` + `step`, ... on, over those that there are at the end.
+fn means(input: &[f64], samples: usize, first: usize, step: usize, output: &mut [f64]) {
+    for (k, mean) in output.iter_mut().enumerate() {
+        let start = first + k * step;
+        let block = &input[start..input.len().min(start + samples.max(1))];
+        *mean = block.iter().sum::<f64>() / block.len() as f64;
     }
 }
 
@@ -165,6 +188,17 @@ mod tests {
         assert_eq!(filtered(&Filter::LowPass(low_pass), &input), want);
     }
 
+    #[test]
+    fn means_are_those_of_blocks_where_every_nth_is_taken() {
+        let input = [1.0, 2.0, 6.0, -1.0, 0.0, 4.0, 100.0];
+        let means = Filter::Means(3);
+        assert_eq!(means.apply_every(&input, 3).unwrap(), [3.0, 1.0, 100.0]);
+        assert_eq!(filtered(&means, &input)[..2], [3.0, 7.0 / 3.0]);
+        assert_eq!((means.reach(), Filter::Means(1).reach()), (Some(2), Some(0)));
+        assert_eq!(filtered(&Filter::Means(1), &input), input);
+        assert!((means.noise_gain(200).unwrap() - (1.0f64 / 3.0).sqrt()).abs() < 1e-12);
+    }
+
     /// Least squares project: the sum of the squared weights of a smoother is its middle weight.
     #[test]
     fn noise_after_a_smoother_is_the_root_of_its_middle_weight() {
@@ -197,7 +231,7 @@ mod tests {
             let sign: Vec<f64> = (0..60).map(|t| if (t / 11) % 2 == 0 { 1.0 } else { -1.0 }).collect();
             let torque: Vec<f64> = inertia.iter().zip(&sign).map(|(i, s)| beta[0] * i + beta[1] * s).collect();
             let low_pass = Filter::LowPass(ZeroPhaseLowPass::new(4, 8.0, 100.0).unwrap());
-            for filter in [Filter::None, savitzky_golay(0, Edge::Polynomial), low_pass] {
+            for filter in [Filter::None, savitzky_golay(0, Edge::Polynomial), low_pass, Filter::Means(5)] {
                 let (tau, inertia, sign) =
                     (filtered(&filter, &torque), filtered(&filter, &inertia), filtered(&filter, &sign));
                 for t in 0..60 {

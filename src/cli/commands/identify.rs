@@ -13,7 +13,7 @@ use crate::identification::fit::{self, fit_effects, fit_effects_in};
 use crate::identification::model::Model;
 use crate::identification::prepare::Smoothing;
 use crate::identification::reversals::Band;
-use crate::identification::smoothing_choice::usual_window;
+use crate::identification::smoothing_choice::{usual_block, usual_window};
 use crate::output::ResultFolder;
 use crate::recording::Recording;
 use crate::report::fit::{self as report, SCHEMA};
@@ -51,7 +51,12 @@ pub(crate) struct Arguments {
     /// Zero-phase low-pass with this cut-off in place of Savitzky-Golay, Hz.
     #[arg(long, value_name = "HZ", conflicts_with_all = ["window", "order"], help_heading = "Smoothing")]
     low_pass_hz: Option<f64>,
-    /// Keep every N-th sample after smoothing. Default: that of the scenario, else a twelfth of the window.
+    /// As `diagnose` prepares logs, in place of Savitzky-Golay: positions through a zero-phase low-pass with this cut-off, Hz
+    /// (`position_cutoffs_hz` of diagnosis.json has those of a diagnosis), torque and regressor as means over 20 ms.
+    #[arg(long, value_name = "HZ", conflicts_with_all = ["window", "order", "low_pass_hz"], help_heading = "Smoothing")]
+    block_means_hz: Option<f64>,
+    /// Keep every N-th sample after smoothing; with block means, samples in a block. Default: that of the scenario, else a twelfth of
+    /// the window; 20 ms.
     #[arg(long, value_name = "N", help_heading = "Smoothing")]
     decimation: Option<usize>,
     /// Leave out samples of a joint slower than this, rad/s or m/s, and those that the smoothing mixes with them. Default: samples
@@ -301,9 +306,12 @@ fn preparation(arguments: &Arguments, setup: Option<&Setup>, log: &Recording) ->
     }
     let band = arguments.band.or(spec.map(|s| s.reversal_band_rad_s)).map_or(Band::OfNoise, Band::Given);
     let low_pass = arguments.low_pass_hz.or(spec.and_then(|s| s.low_pass_hz).filter(|_| arguments.window.is_none()));
-    let smoothing = match low_pass {
-        Some(cutoff_hz) => Smoothing::LowPass { cutoff_hz, decimation },
-        None => Smoothing::SavitzkyGolay { window, order, decimation },
+    let smoothing = match (arguments.block_means_hz, low_pass) {
+        (Some(cutoff_hz), _) => {
+            Smoothing::BlockMeans { cutoff_hz, block: arguments.decimation.unwrap_or(usual_block(log.rate_hz())) }
+        }
+        (None, Some(cutoff_hz)) => Smoothing::LowPass { cutoff_hz, decimation },
+        (None, None) => Smoothing::SavitzkyGolay { window, order, decimation },
     };
     Ok(Preparation { smoothing, band })
 }

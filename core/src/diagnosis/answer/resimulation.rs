@@ -267,13 +267,5 @@ fn along(simulator: &impl Simulator, model: &ExtendedModel, log: &Log) -> Result
 
 /// Where the joints really were when the encoders read the motion of a log.
 fn true_motion(effects: &[Placed], log: &Log) -> Result<Motion> {
-    let mut q = log.motion.q.clone();
-    for placed in effects {
-        for joint in placed.sensed(q.channels()) {
-            let before = q.channel(joint).to_vec();
-            placed.effect.distort_position(&placed.parameters, q.channel_mut(joint));
-            q.channel_mut(joint).iter_mut().zip(before).for_each(|(x, q)| *x = 2.0 * q - *x);
-        }
-    }
-    if q == log.motion.q { Ok(log.motion.clone()) } else { Log::motion_of(q, log.period) }
+    Ok(log.behind_encoders(effects)?.unwrap_or_else(|| log.motion.clone()))
 }

@@ -1,12 +1,10 @@
 //! Cut-offs of the low-pass of positions: from the slowest motion to the frequency above which a log's positions hold nothing but noise.
 
 use crate::error::Result;
+use crate::identification::low_passed::ORDER;
 use crate::recording::Recording;
 use crate::signal::{ZeroPhaseLowPass, quantum};
 use rayon::prelude::*;
-
-/// Order of the low-pass of the positions, in each direction: steep, so that a slow motion does not leak past the cut-off.
-pub(crate) const ORDER: usize = 6;
 
 /// Cut-offs that are tried, Hz.
 pub(crate) const CUTOFFS_HZ: [f64; 12] = [3.0, 4.0, 5.0, 6.3, 8.0, 10.0, 12.5, 16.0, 20.0, 25.0, 32.0, 40.0];

@@ -1,17 +1,16 @@
 //! One log made ready for the rows: its motion from smooth positions, its torque, and what passes either.
 
-use super::cutoffs::{ORDER, clear_of_noise, mostly_noise};
+use super::cutoffs::{clear_of_noise, mostly_noise};
 use crate::channels::Channels;
 use crate::dynamics::Motion;
-use crate::effects::unsmoothed;
-use crate::error::{Error, Result};
+use crate::effects::{Placed, behind_encoder, unsmoothed};
+use crate::error::Result;
+use crate::identification::low_passed::{ORDER, block, differentiated, low_passed};
 use crate::recording::Recording;
 use crate::signal::{Slow, ZeroPhaseLowPass, block_means, noise_floor, smooth_derivatives};
+use rayon::prelude::*;
 use std::f64::consts::PI;
 use std::sync::OnceLock;
-
-/// Length of a block, s.
-pub(super) const BLOCK_S: f64 = 0.02;
 
 /// Length of the low-pass' memory, in periods of its cut-off: the kink of a reversal is smeared over it.
 pub(super) const MEMORY: f64 = 1.0;
@@ -51,6 +50,8 @@ pub struct Log {
     clear: OnceLock<Motion>,
     /// [`Log::unsmoothed`], once it has been computed.
     unsmoothed: OnceLock<Motion>,
+    /// [`Log::noise_from_hz`], once it has been computed.
+    noise_from_hz: OnceLock<Vec<f64>>,
 }
 
 /// What a position holds above the frequency of its motion is motion where it is so many times the median: seven standard deviations of
@@ -87,23 +88,29 @@ impl Log {
             period: 1.0 / rate,
             low_pass,
             passed,
-            block: ((BLOCK_S * rate).round() as usize).max(1),
+            block: block(rate),
             noisy: vec![false; recording.joints()],
             measured: recording.q.clone(),
             clear: OnceLock::new(),
             unsmoothed: OnceLock::new(),
+            noise_from_hz: OnceLock::new(),
         })
     }
 
-    /// The motion whose positions are `q`, smooth already.
+    /// The motion where effects of the encoders are behind what these read, if they put errors into any position: errors are taken out
+    /// of what was measured, before it is smoothed.
     ///
     /// # Errors
     /// If there are too few samples to differentiate.
-    pub(crate) fn motion_of(q: Channels, period: f64) -> Result<Motion> {
-        let mut motion = Motion { qd: q.clone(), qdd: q.clone(), q };
-        for joint in 0..motion.joints() {
-            let Motion { q, qd, qdd } = &mut motion;
-            smooth_derivatives(q.channel(joint), period, qd.channel_mut(joint), qdd.channel_mut(joint))?;
+    pub(crate) fn behind_encoders(&self, placed: &[Placed]) -> Result<Option<Motion>> {
+        let mut motion = None;
+        for joint in 0..self.measured.channels() {
+            let sensors = placed.iter().filter(|one| one.sensed(self.measured.channels()).contains(&joint));
+            let Some(mut behind) = behind_encoder(sensors, self.measured.channel(joint)) else { continue };
+            self.low_pass[joint].apply_in_place(&mut behind)?;
+            let Motion { q, qd, qdd } = motion.get_or_insert_with(|| self.motion.clone());
+            smooth_derivatives(&behind, self.period, qd.channel_mut(joint), qdd.channel_mut(joint))?;
+            q.channel_mut(joint).copy_from_slice(&behind);
         }
         Ok(motion)
     }
@@ -117,7 +124,7 @@ impl Log {
         for (joint, low_pass) in self.low_pass.iter().enumerate() {
             low_pass.apply_in_place(q.channel_mut(joint))?;
         }
-        Log::motion_of(q, self.period)
+        differentiated(q, self.period)
     }
 
     /// The motion with accelerations that stand clear of the encoder's noise. Near the ends, where so slow a low-pass knows too little,
@@ -156,12 +163,17 @@ impl Log {
         Ok(self.unsmoothed.get_or_init(|| motion))
     }
 
-    /// The frequency above which the measured position of a joint is mostly noise, Hz.
+    /// The frequency above which the measured position of each joint is mostly noise, Hz.
     ///
     /// # Errors
     /// If there are too few samples for the filters.
-    pub(crate) fn noise_from_hz(&self, joint: usize) -> Result<f64> {
-        mostly_noise(self.measured.channel(joint), 1.0 / self.period)
+    pub(crate) fn noise_from_hz(&self) -> Result<&[f64]> {
+        if let Some(noise_from_hz) = self.noise_from_hz.get() {
+            return Ok(noise_from_hz);
+        }
+        let of_joint = |joint| mostly_noise(self.measured.channel(joint), 1.0 / self.period);
+        let all = (0..self.measured.channels()).into_par_iter().map(of_joint).collect::<Result<Vec<f64>>>()?;
+        Ok(self.noise_from_hz.get_or_init(|| all))
     }
 
     /// What the measured position of a joint holds above the frequency from which it is mostly noise, and its rate; zero where that
@@ -172,7 +184,7 @@ impl Log {
     /// If there are too few samples for the filters.
     pub(crate) fn above_motion(&self, joint: usize, seen_hz: f64) -> Result<[Vec<f64>; 2]> {
         let (measured, rate_hz) = (self.measured.channel(joint), 1.0 / self.period);
-        let hz = self.noise_from_hz(joint)?;
+        let hz = self.noise_from_hz()?[joint];
         if hz >= seen_hz {
             return Ok([0, 1].map(|_| vec![0.0; measured.len()]));
         }
@@ -199,6 +211,7 @@ impl Log {
     #[cfg(test)]
     pub(crate) fn knock(&mut self, joint: usize, sample: usize, by: f64) {
         self.measured.channel_mut(joint)[sample] += by;
+        self.noise_from_hz.take();
     }
 
     /// Means over the blocks of a signal of this log.
@@ -227,16 +240,9 @@ fn velocity_gain(cutoff_hz: f64, rate_hz: f64) -> f64 {
 
 /// The motion of a log with the positions of each joint smoothed by a low-pass, which is returned too.
 fn smooth(recording: &Recording, cutoffs_hz: &[f64]) -> Result<(Motion, Vec<ZeroPhaseLowPass>)> {
-    let rate = recording.rate_hz();
-    let low_pass: Vec<ZeroPhaseLowPass> =
-        cutoffs_hz.iter().map(|&hz| ZeroPhaseLowPass::new(ORDER, hz, rate)).collect::<Result<_>>()?;
-    let mut q = recording.q.clone();
-    for (joint, low_pass) in low_pass.iter().enumerate() {
-        low_pass
-            .apply_in_place(q.channel_mut(joint))
-            .map_err(|e| Error::request(format!("joint `{}`", recording.joints[joint]), e.to_string()))?;
-    }
-    Ok((Log::motion_of(q, 1.0 / rate)?, low_pass))
+    let low_pass = |&hz: &f64| ZeroPhaseLowPass::new(ORDER, hz, recording.rate_hz());
+    let low_pass: Vec<ZeroPhaseLowPass> = cutoffs_hz.iter().map(low_pass).collect::<Result<_>>()?;
+    Ok((low_passed(recording, &low_pass)?, low_pass))
 }
 
 #[cfg(test)]

@@ -4,12 +4,13 @@
 //! become means over the same short blocks, which keeps white noise white.
 
 use super::cutoffs::POINTS;
-use super::log::{BLOCK_S, Log, MEMORY, MEMORY_OF_ENDS};
+use super::log::{Log, MEMORY, MEMORY_OF_ENDS};
 use super::low_pass::LowPass;
 use crate::channels::Channels;
 use crate::diagnosis::regression::Column;
 use crate::error::{Error, Result};
 use crate::identification::equal_states::States;
+use crate::identification::low_passed::BLOCK_S;
 use crate::recording::Recording;
 use crate::signal::white_noise;
 use std::f64::consts::PI;

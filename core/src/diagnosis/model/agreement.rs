@@ -1,17 +1,18 @@
 //! A law over all effects: what an effect adds to the torque is the same for `identify` and `diagnose`.
 
 use crate::channels::Channels;
-use crate::diagnosis::logs::{FEWEST_ROWS, ORDER, Rows};
-use crate::effects::{LIBRARY, Nature, Placed, Scope, Site};
+use crate::diagnosis::logs::{FEWEST_ROWS, Rows};
+use crate::effects::{LIBRARY, Nature, Placed, Scope};
 use crate::identification::effect_model::Arm;
 use crate::identification::effect_model::{EffectModel, Preparation, Trust};
 use crate::identification::model::Model;
 use crate::identification::prepare::Smoothing;
 use crate::identification::reversals::Band;
 use crate::identification::standard::{ROTOR, STANDARD};
+use crate::random;
 use crate::recording::Recording;
 use crate::robot::{InertiaCheck, Robot, load};
-use crate::signal::{ZeroPhaseLowPass, block_means};
+use rand_distr::{Distribution, StandardNormal};
 
 const RATE_HZ: f64 = 500.0;
 const SAMPLES: usize = 8000;
@@ -19,8 +20,12 @@ const SAMPLES: usize = 8000;
 const CUTOFF_HZ: f64 = 20.0;
 /// Samples of a block of the diagnosis.
 const BLOCK: usize = 10;
-/// Blocks at either end, where filters differ.
+/// Noise of the positions, rad.
+const ENCODER_NOISE: f64 = 1e-5;
+/// Blocks at either end that are not compared.
 const ENDS: usize = 100;
+/// Part of an effect's torque by which the two may differ.
+const ROUNDING: f64 = 1e-9;
 
 fn motion(joints: usize) -> Recording {
     let wave = |joint: usize, k: usize| {
@@ -29,6 +34,12 @@ fn motion(joints: usize) -> Recording {
         0.6 * (std::f64::consts::TAU * slow * t).sin() + 0.2 * (std::f64::consts::TAU * 1.7 * slow * t).cos()
     };
     let q: Vec<Vec<f64>> = (0..joints).map(|joint| (0..SAMPLES).map(|k| wave(joint, k)).collect()).collect();
+    let mut noise = random::stream(3, "positions", 0);
+    let mut read = |q: &f64| -> f64 {
+        let drawn: f64 = StandardNormal.sample(&mut noise);
+        q + ENCODER_NOISE * drawn
+    };
+    let q: Vec<Vec<f64>> = q.iter().map(|q| q.iter().map(&mut read).collect()).collect();
     Recording {
         joints: (1..=joints).map(|joint| format!("joint_{joint}")).collect(),
         time: (0..SAMPLES).map(|k| k as f64 / RATE_HZ).collect(),
@@ -40,7 +51,8 @@ fn motion(joints: usize) -> Recording {
 
 /// Torque that `identify` predicts with some effects, `[joint][time]`, by an arm that is described as `described` and identified as `real`.
 fn predicted([real, described]: [&Robot; 2], trust: Trust, log: &Recording, placed: Vec<Placed>) -> Vec<Vec<f64>> {
-    let preparation = Preparation { smoothing: Smoothing::None, band: Band::Given(0.0) };
+    let smoothing = Smoothing::BlockMeans { cutoff_hz: CUTOFF_HZ, block: BLOCK };
+    let preparation = Preparation { smoothing, band: Band::Given(0.0) };
     let [true_model, model] = [real, described].map(Model::new);
     let [true_model, mut model] =
         [&true_model, &model].map(|model| EffectModel::new(model, trust, &[log], preparation, placed.clone()).unwrap());
@@ -72,38 +84,20 @@ fn agree([real, described]: [&Robot; 2], trust: Trust) {
         let model = Model::new(described);
         arm.take(&model, &model.base().values(&Model::standard_values(real)));
     }
-    // The same motion for both: the smooth one of the diagnosis, as if it had been measured.
-    let motion = &rows.logs[0].motion;
-    let smooth =
-        Recording { q: motion.q.clone(), qd: Some(motion.qd.clone()), qdd: Some(motion.qdd.clone()), ..log.clone() };
-    let robots = [real, described];
-    let [of_log, of_smooth] = [&log, &smooth].map(|log| predicted(robots, trust, log, Vec::new()));
+    let without = predicted([real, described], trust, &log, Vec::new());
     for effect in LIBRARY {
         let about = effect.about();
         let joint = if about.scope == Scope::Arm { 0 } else { 1 };
-        // The twist of a gear with play passes the low-pass of the positions, which `identify` does without here.
-        let strikes = about.nature == Nature::Play;
-        let (log, without, tolerance) = match about.site {
-            // What sensors or gears do to positions is differentiated again, by central differences in `identify`.
-            Site::Sensor | Site::Gear => (&log, &of_log, if strikes { 0.05 } else { 2e-3 }),
-            _ => (&smooth, &of_smooth, 1e-9),
-        };
         let mut placed = Placed::typical(*effect, joint);
         if about.nature == Nature::Level {
             placed.parameters[0] = 0.5 * without[joint].iter().fold(0.0, |most: f64, torque| most.max(torque.abs()));
         }
         let added = &arm.added(std::slice::from_ref(&placed), &rows).unwrap()[0];
-        let with = predicted(robots, trust, log, vec![placed]);
-        let low_pass = ZeroPhaseLowPass::new(ORDER, CUTOFF_HZ, RATE_HZ).unwrap();
+        let with = predicted([real, described], trust, &log, vec![placed]);
         let (mut apart, mut size) = (0.0, 0.0);
-        for (joint, (with, without)) in with.iter().zip(without).enumerate() {
-            let mut identified: Vec<f64> = with.iter().zip(without).map(|(with, without)| with - without).collect();
-            if strikes {
-                low_pass.apply_in_place(&mut identified).unwrap();
-            }
-            let identified = block_means(&identified, BLOCK).unwrap();
-            for block in ENDS..identified.len() - ENDS {
-                let identified = identified[block];
+        for (joint, (with, without)) in with.iter().zip(&without).enumerate() {
+            for block in ENDS..with.len() - ENDS {
+                let identified = with[block] - without[block];
                 let diagnosed = added.part(joint).map_or(0.0, |column| column[block]);
                 apart += (identified - diagnosed).powi(2);
                 size += diagnosed.powi(2);
@@ -111,6 +105,6 @@ fn agree([real, described]: [&Robot; 2], trust: Trust) {
         }
         let (apart, size) = (f64::sqrt(apart), f64::sqrt(size));
         assert!(size > 0.0, "{} adds nothing", about.name);
-        assert!(apart < tolerance * size, "{} {trust:?}: {apart} of {size}", about.name);
+        assert!(apart < ROUNDING * size, "{} {trust:?}: {apart} of {size}", about.name);
     }
 }

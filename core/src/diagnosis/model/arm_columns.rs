@@ -5,7 +5,7 @@ use crate::channels::Channels;
 use crate::diagnosis::logs::{Log, Rows};
 use crate::diagnosis::regression::Column;
 use crate::dynamics::{Motion, inverse_dynamics};
-use crate::effects::{Along, Contribution, Placed, Rounding, Scope, Site, behind_encoder, behind_gears};
+use crate::effects::{Along, Contribution, Placed, Rounding, Scope, Site, behind_gears};
 use crate::error::Result;
 use crate::identification::effect_model::{Arm, Geared, Trust, law_sites, laws};
 use crate::identification::model::Model;
@@ -241,13 +241,8 @@ impl Arm {
                 let link = behind_gears(&self.geared(log), &[(placed.joint, gear)])?;
                 self.torque(&log.motion, &link)
             }
-            None => match behind_encoder(std::iter::once(placed), log.motion.q.channel(placed.joint)) {
-                Some(behind) => {
-                    let mut q = log.motion.q.clone();
-                    q.channel_mut(placed.joint).copy_from_slice(&behind);
-                    let motion = Log::motion_of(q, log.period)?;
-                    self.torque(&motion, &motion)
-                }
+            None => match log.behind_encoders(std::slice::from_ref(placed))? {
+                Some(motion) => self.torque(&motion, &motion),
                 None => plain.clone(),
             },
         };

@@ -76,7 +76,7 @@ mod tests {
     #[test]
     fn what_the_torque_does_not_show_has_no_columns() {
         let rows = rows(2e-3);
-        let hz = rows.logs[0].noise_from_hz(0).unwrap();
+        let hz = rows.logs[0].noise_from_hz().unwrap()[0];
         let is_empty = |seen_hz: f64| feedback(&rows, seen_hz).unwrap().iter().all(|column| column.parts.is_empty());
         assert!(is_empty(hz) && !is_empty(hz + 1e-9));
     }

@@ -1,13 +1,14 @@
 //! How smooth the positions of each joint should be: what serves a base joint of much inertia, whose accelerations let the encoder's
 //! noise into its torque, bends the starts and stops of a wrist that friction holds.
 
-use crate::diagnosis::logs::{CUTOFFS_HZ, Log, ORDER, Rows};
+use crate::diagnosis::logs::{CUTOFFS_HZ, Rows};
 use crate::diagnosis::model::Moved;
 use crate::diagnosis::noise::Whitener;
 use crate::diagnosis::regression::Column;
 use crate::effects::{self, Placed};
 use crate::error::Result;
 use crate::identification::effect_model::Arm;
+use crate::identification::low_passed::{ORDER, differentiated};
 use crate::recording::Recording;
 use crate::signal::ZeroPhaseLowPass;
 use rayon::prelude::*;
@@ -47,7 +48,7 @@ pub(super) fn of_joints(
             let mut q = log.motion.q.clone();
             let low_pass = ZeroPhaseLowPass::new(ORDER, hz, recordings[index].rate_hz())?;
             low_pass.apply(recordings[index].q.channel(joint), q.channel_mut(joint))?;
-            Log::motion_of(q, log.period)
+            differentiated(q, log.period)
         })?;
         let mut residual = residual.clone();
         residual.add(-1.0, &whitener.apply(&change));
@@ -94,9 +95,11 @@ pub(super) fn noisy_once_moved(arm: &Arm, rows: &Rows, whitener: &Whitener, most
 /// # Errors
 /// If a log is too short for the filters.
 pub(super) fn noise_from_hz(rows: &Rows) -> Result<Vec<f64>> {
-    let of_joint =
-        |joint: usize| rows.logs.iter().try_fold(0.0, |most: f64, log| Ok(most.max(log.noise_from_hz(joint)?)));
-    (0..rows.dof()).into_par_iter().map(of_joint).collect()
+    let mut highest = vec![0.0; rows.dof()];
+    for log in &rows.logs {
+        highest.iter_mut().zip(log.noise_from_hz()?).for_each(|(most, hz)| *most = f64::max(*most, *hz));
+    }
+    Ok(highest)
 }
 
 /// What the motion of each joint between a cut-off and the one that the rows are smoothed with, Hz, does to the torque of each joint:
@@ -112,7 +115,7 @@ pub(super) fn bands(arm: &Arm, rows: &Rows, above_hz: &[f64], smoothed_hz: &[f64
                 let mut q = log.motion.q.clone();
                 let low_pass = ZeroPhaseLowPass::new(ORDER, above_hz[joint], 1.0 / log.period)?;
                 low_pass.apply(log.motion.q.channel(joint), q.channel_mut(joint))?;
-                Log::motion_of(q, log.period)
+                differentiated(q, log.period)
             })?
         } else {
             Column::default()

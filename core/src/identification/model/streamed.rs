@@ -165,7 +165,9 @@ mod tests {
         fn blocks_are_what_the_whole_log_gives(samples in 60usize..20_000, half in 3usize..30, step in 1usize..40) {
             let smoother = SavitzkyGolay::new(2 * half + 1, 4, 0, 0.01, Edge::Polynomial).unwrap();
             let low_pass = ZeroPhaseLowPass::new(4, 10.0, 100.0).unwrap();
-            for filter in [Filter::None, Filter::SavitzkyGolay(smoother), Filter::LowPass(low_pass)] {
+            for filter in
+                [Filter::None, Filter::SavitzkyGolay(smoother), Filter::LowPass(low_pass), Filter::Means(half)]
+            {
                 let wanted = [0..2, 3..5];
                 let tables = filtered(&Waves, &filter, step, samples, &wanted).unwrap();
                 for (table, range) in tables.iter().zip(wanted) {

@@ -3,6 +3,7 @@
 
 mod bridge;
 pub(crate) mod equal_states;
+pub(crate) mod low_passed;
 pub mod prepare;
 pub mod reversals;
 pub mod smoothing_choice;

@@ -2,6 +2,7 @@
 //! to leave out.
 
 use super::bridge::bridged;
+use super::low_passed;
 use super::reversals::{self, Band};
 use crate::channels::Channels;
 use crate::dynamics::Motion;
@@ -57,6 +58,14 @@ pub enum Smoothing {
         /// Every n-th row is used.
         decimation: usize,
     },
+    /// As `diagnose` prepares logs: positions through a steep zero-phase low-pass, differences of high order for velocity and
+    /// acceleration, torque and columns as means over blocks, which leaves white noise white.
+    BlockMeans {
+        /// Cut-off of the positions, Hz.
+        cutoff_hz: f64,
+        /// Samples in a block.
+        block: usize,
+    },
 }
 
 impl Smoothing {
@@ -65,6 +74,7 @@ impl Smoothing {
         match self {
             Smoothing::None => 1,
             Smoothing::SavitzkyGolay { decimation, .. } | Smoothing::LowPass { decimation, .. } => decimation,
+            Smoothing::BlockMeans { block, .. } => block,
         }
     }
 }
@@ -178,6 +188,13 @@ pub fn measured(recording: &Recording, smoothing: Smoothing, band: impl Into<Ban
             let reach = (recording.rate_hz() / cutoff_hz).ceil() as usize;
             (motion, Filter::LowPass(low_pass), Filter::LowPass(wide), decimation, reach)
         }
+        Smoothing::BlockMeans { cutoff_hz, block } => {
+            let low_pass = ZeroPhaseLowPass::new(low_passed::ORDER, cutoff_hz, recording.rate_hz())?;
+            let motion = low_passed::low_passed(recording, &vec![low_pass.clone(); joints.len()])?;
+            let filter = Filter::Means(block);
+            let reach = filter.reach().unwrap_or_default();
+            (motion, filter, Filter::LowPass(low_pass), block, reach)
+        }
     };
     let (slow, weights) = match band {
         Band::Given(speed) => (vec![Slow::given(speed); recording.joints()], Vec::new()),
@@ -213,7 +230,9 @@ fn own_bands(recording: &Recording, motion: &Motion, smoothing: Smoothing, filte
             Smoothing::SavitzkyGolay { window, order, .. } => {
                 SavitzkyGolay::new(window, order, 1, period, Edge::Polynomial)?.apply(impulse, &mut rate)?;
             }
-            Smoothing::None | Smoothing::LowPass { .. } => first_derivative(&smooth, period, &mut rate)?,
+            Smoothing::None | Smoothing::LowPass { .. } | Smoothing::BlockMeans { .. } => {
+                first_derivative(&smooth, period, &mut rate)?;
+            }
         }
         Ok([smooth, rate])
     })?;
@@ -314,7 +333,7 @@ impl<'a> Prepared<'a> {
     /// # Errors
     /// Never for a decimation that is positive.
     pub(in crate::identification) fn row_times(&self) -> Result<Vec<f64>> {
-        downsample(&self.time, self.decimation)
+        self.place(&self.time)
     }
 
     /// Position and velocity of a joint at every regression row.
@@ -322,8 +341,15 @@ impl<'a> Prepared<'a> {
     /// # Errors
     /// Never for a decimation that is positive.
     pub(in crate::identification) fn row_motion(&self, joint: usize) -> Result<[Vec<f64>; 2]> {
-        let thinned = |table: &Channels| downsample(table.channel(joint), self.decimation);
-        Ok([thinned(&self.motion.q)?, thinned(&self.motion.qd)?])
+        Ok([self.place(self.motion.q.channel(joint))?, self.place(self.motion.qd.channel(joint))?])
+    }
+
+    /// What a signal is where each regression row stands: at one sample, or the mean over its block.
+    fn place(&self, signal: &[f64]) -> Result<Vec<f64>> {
+        match self.filter {
+            Filter::Means(_) => self.thinned(signal),
+            _ => downsample(signal, self.decimation),
+        }
     }
 
     /// Standard deviation of the white noise in the filtered torque of every joint.

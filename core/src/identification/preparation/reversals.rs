@@ -60,7 +60,8 @@ pub fn weights(filter: &Filter, reach: usize, samples: usize) -> Result<Vec<f64>
     impulse[middle] = 1.0;
     let mut response = impulse.clone();
     filter.apply(&impulse, &mut response)?;
-    Ok(response[middle - reach..=middle + reach].iter().map(|weight| weight.abs()).collect())
+    // An output after the impulse has it among the inputs before it.
+    Ok(response[middle - reach..=middle + reach].iter().rev().map(|weight| weight.abs()).collect())
 }
 
 /// Every `step`-th sample whose row may be used: the filter, which sees `reach` samples to either side with these `weights`, fits

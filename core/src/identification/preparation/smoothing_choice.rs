@@ -1,6 +1,7 @@
 //! How smooth measured signals should be, from the signals themselves: the Savitzky-Golay window by the noise of the positions, and
 //! common practice's low-pass by the frequencies of the motion.
 
+use super::low_passed;
 use super::prepare::{self, LOW_PASS_ORDER, Smoothing};
 use crate::error::{Error, Result};
 use crate::recording::Recording;
@@ -108,6 +109,11 @@ pub fn usual_low_pass(logs: &[&Recording]) -> Result<Smoothing> {
     Ok(Smoothing::LowPass { cutoff_hz, decimation })
 }
 
+/// Samples of the blocks over which `diagnose` takes means, at a rate: 20 ms.
+pub fn usual_block(rate_hz: f64) -> usize {
+    low_passed::block(rate_hz)
+}
+
 /// A smoothing in numbers, for reports.
 ///
 /// ```
@@ -148,6 +154,15 @@ pub enum Described {
         /// Every n-th row is used.
         decimation: usize,
     },
+    /// Positions through a low-pass, torque and columns as means over blocks.
+    BlockMeans {
+        /// Order of the low-pass in each direction.
+        order: usize,
+        /// Cut-off of the positions, Hz: half the amplitude passes.
+        position_cutoff_hz: f64,
+        /// Samples in a block.
+        block: usize,
+    },
 }
 
 /// What `smoothing` is at a rate; None for no smoothing.
@@ -167,6 +182,11 @@ pub fn described(smoothing: Smoothing, rate_hz: f64) -> Result<Option<Described>
             position_cutoff_hz: prepare::position_cutoff_hz(cutoff_hz, rate_hz),
             torque_cutoff_hz: cutoff_hz,
             decimation,
+        }),
+        Smoothing::BlockMeans { cutoff_hz, block } => Some(Described::BlockMeans {
+            order: low_passed::ORDER,
+            position_cutoff_hz: cutoff_hz,
+            block,
         }),
     })
 }
@@ -235,6 +255,8 @@ mod tests {
         let position_cutoff_hz = 0.45 * 500.0;
         let expected = Described::Butterworth { order: 4, position_cutoff_hz, torque_cutoff_hz: 100.0, decimation: 3 };
         assert_eq!(low_pass, Some(expected));
+        let means = described(Smoothing::BlockMeans { cutoff_hz: 8.0, block: 10 }, 500.0).unwrap();
+        assert_eq!(means, Some(Described::BlockMeans { order: 6, position_cutoff_hz: 8.0, block: 10 }));
         let window = Smoothing::SavitzkyGolay { window: 61, order: 6, decimation: 5 };
         let Some(Described::SavitzkyGolay { window_s, cutoff_hz, .. }) = described(window, 500.0).unwrap() else {
             panic!()

@@ -89,22 +89,25 @@ impl Searched {
     /// If a log is too short to differentiate.
     pub(super) fn new(session: &mut Session, options: &Options, watch: &mut Watch) -> Result<Self> {
         let all = select(session, options, watch)?;
-        let (selection, minor) = those_that_matter(session, all.clone(), &[])?;
+        let (selection, mut minor) = those_that_matter(session, all, &[])?;
         let ended = watch.is_over();
         let (structure, map) = left(session, &selection, options, ended)?;
         // An effect that is too small to matter is not, where without it structure is reported on its joint.
-        let is_too_small = |joint: usize| {
-            let of_size = minor.iter().filter(|minor| minor.failed.gate == Gate::Size);
-            of_size.flat_map(|minor| minor.found.member.placed.joints()).any(|own| own == joint)
+        let joints: Vec<usize> = structure.unexplained.iter().map(|left| left.joint).collect();
+        let is_too_small = |minor: &mut Minor| {
+            let own = minor.found.member.placed.joints();
+            minor.failed.gate == Gate::Size && own.iter().any(|joint| joints.contains(joint))
         };
-        let joints = structure.unexplained.iter().map(|left| left.joint);
-        let any_size: Vec<usize> = joints.filter(|joint| is_too_small(*joint)).collect();
-        if ended || any_size.is_empty() {
+        let too_small: Vec<Minor> = minor.extract_if(.., is_too_small).collect();
+        if ended || too_small.is_empty() {
+            minor.extend(too_small);
             return Ok(Searched { selection, minor, structure, map });
         }
-        let mut again = all;
+        let mut again = selection;
+        again.found.extend(too_small.into_iter().map(|minor| minor.found));
         again.settle(session)?;
-        let (selection, minor) = those_that_matter(session, again, &any_size)?;
+        let (selection, more) = those_that_matter(session, again, &joints)?;
+        minor.extend(more);
         let (structure, map) = left(session, &selection, options, ended)?;
         Ok(Searched { selection, minor, structure, map })
     }

@@ -25,7 +25,7 @@ use std::collections::BTreeMap;
 const LOGGED: usize = 14;
 
 /// What the search came to.
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 pub(crate) struct Selection {
     /// The effects found, in the order in which they were.
     pub found: Vec<Found>,

@@ -8,6 +8,7 @@ use crate::diagnosis::model::{Member, Session};
 use crate::diagnosis::noise::Whitener;
 use crate::diagnosis::regression::{Column, rms, solve};
 use crate::error::Result;
+use std::ops::Range;
 
 /// How such a joint is reported.
 pub const LOGS_DISAGREE: &str = "is in the held-out logs alone";
@@ -22,7 +23,7 @@ const PARTS: usize = 4;
 /// The joints on which the model with `members` leaves far more of the held-out rows than of the training rows, of its noise and of what it
 /// is unsure of (`prediction_std`, N m, `[joint]`), not much less than the `baseline` leaves of the held-out rows, and more than a fit
 /// without it leaves of any part of the training rows: what errors of the positions do to poorly excited parameters is in no standard
-/// deviation.
+/// deviation. Nor may one set of parameters fit all logs: then those that the training logs determine poorly differ from their estimates.
 ///
 /// # Errors
 /// If a log is too short to differentiate.
@@ -37,22 +38,24 @@ pub(crate) fn disagreement(
     let noise = whitener.noise_std();
     let [train, test] = [(&session.logs.train.rows, trained), (&session.logs.test.rows, held_out)];
     let on_joint = |joint: usize| {
-        let [trained, held_out] = [train, test].map(|(rows, left)| averages(rows, left, joint));
+        let [trained, held_out] = [train, test].map(|(rows, left)| averages(rows, 0..rows.logs.len(), left, joint));
         let expected =
             (levels.far * trained).max(structure.above_noise * noise[joint]).max(levels.far * prediction_std[joint]);
-        let expected = expected.max(levels.most * averages(test.0, baseline, joint));
-        tracing::debug!(joint, trained, held_out, expected, "held-out against training rows");
-        let clear = Judgement::above(Gate::AboveExpected, held_out / expected, 1.0);
-        (clear.passed && held_out > 0.0).then_some((joint, held_out, clear))
+        let most = expected.max(levels.most * averages(test.0, 0..test.0.logs.len(), baseline, joint));
+        tracing::debug!(joint, trained, held_out, expected, most, "held-out against training rows");
+        let clear = Judgement::above(Gate::AboveExpected, held_out / most, 1.0);
+        (clear.passed && held_out > 0.0).then_some((joint, held_out, expected, clear))
     };
-    let apart: Vec<(usize, f64, Judgement)> = (0..train.0.dof()).filter_map(on_joint).collect();
+    let apart: Vec<(usize, f64, f64, Judgement)> = (0..train.0.dof()).filter_map(on_joint).collect();
     if apart.is_empty() {
         return Ok(Vec::new());
     }
     let left_out = parts_left_out(session, members, whitener)?;
-    let unexplained = apart.into_iter().map(|(joint, held_out, clear)| {
+    let together = fitted_together(session, members, whitener)?;
+    let unexplained = apart.into_iter().map(|(joint, held_out, expected, clear)| {
         let unlike_parts = Judgement::above(Gate::AboveExpected, held_out / left_out[joint], 1.0);
-        (joint, held_out, [clear, unlike_parts])
+        let apart = Judgement::above(Gate::AboveExpected, together[joint] / expected, 1.0);
+        (joint, held_out, [clear, unlike_parts, apart])
     });
     Ok(unexplained
         .filter(|(_, _, judgements)| Judgement::first_failed(*judgements).is_none())
@@ -73,6 +76,7 @@ fn parts_left_out(session: &Session, members: &[Member], whitener: &Whitener) ->
     let data = &session.logs.train;
     let columns = session.model.columns(data, members)?;
     let mut most = vec![0.0f64; data.rows.dof()];
+    let logs = 0..data.rows.logs.len();
     let [mut others, mut left_out] = [(); 2].map(|()| data.rows.clone());
     for part in 0..PARTS {
         let own = part * data.rows.len() / PARTS..(part + 1) * data.rows.len() / PARTS;
@@ -85,18 +89,38 @@ fn parts_left_out(session: &Session, members: &[Member], whitener: &Whitener) ->
         let solved = solve(&whitener.apply_all(&columns), &whitener.apply(&data.torque));
         let residual = data.residual(&columns, &solved.values);
         for (joint, most) in most.iter_mut().enumerate() {
-            *most = most.max(averages(&left_out, &residual, joint));
+            *most = most.max(averages(&left_out, logs.clone(), &residual, joint));
         }
     }
     tracing::debug!(?most, "parts of the training rows by fits without them");
     Ok(most)
 }
 
-/// Root mean square of the residual of a joint, averaged over the valid rows of each half second.
-fn averages(rows: &Rows, left: &Column, joint: usize) -> f64 {
+/// What one set of parameters for all logs leaves of the training or of the held-out rows, whichever is more, averaged like the residuals,
+/// `[joint]`, N m.
+fn fitted_together(session: &Session, members: &[Member], whitener: &Whitener) -> Result<Vec<f64>> {
+    let all = session.over_all_logs();
+    let data = &all.logs.train;
+    let columns = all.model.columns(data, members)?;
+    let whitener = whitener.on(&data.rows);
+    let solved = solve(&whitener.apply_all(&columns), &whitener.apply(&data.torque));
+    let residual = data.residual(&columns, &solved.values);
+    let training = session.logs.train.rows.logs.len();
+    let kinds = [0..training, training..data.rows.logs.len()];
+    let on_joint = |joint: usize| {
+        let each = kinds.iter().map(|logs| averages(&data.rows, logs.clone(), &residual, joint));
+        each.fold(0.0, f64::max)
+    };
+    let together = (0..data.rows.dof()).map(on_joint).collect();
+    tracing::debug!(?together, "all rows by one set of parameters");
+    Ok(together)
+}
+
+/// Root mean square of the residual of a joint in some of the logs, averaged over the valid rows of each half second.
+fn averages(rows: &Rows, logs: Range<usize>, left: &Column, joint: usize) -> f64 {
     let Some(values) = left.part(joint) else { return 0.0 };
     let (mut sum, mut count) = (0.0, 0usize);
-    for ends in rows.starts.windows(2) {
+    for ends in rows.starts[logs.start..=logs.end].windows(2) {
         let log: Vec<(f64, bool)> = (ends[0]..ends[1]).map(|row| (values[row], rows.valid[joint][row])).collect();
         for part in log.chunks(AVERAGED) {
             let counting: Vec<f64> = part.iter().filter(|(_, ok)| *ok).map(|(value, _)| *value).collect();

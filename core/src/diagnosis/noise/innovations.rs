@@ -102,12 +102,8 @@ impl InnovationsFilter {
             // Where the last rows were all seen they are the state: a filter of finite length, lag by lag.
             if let Some(run) = next.filter(|run| run.start == row) {
                 let first = white.len();
-                white.extend_from_slice(&signal[run.clone()]);
-                for (lag, a) in coefficients.iter().enumerate() {
-                    let past = &signal[run.start - lag - 1..run.end - lag - 1];
-                    white[first..].iter_mut().zip(past).for_each(|(x, e)| *x -= a * e);
-                }
-                white[first..].iter_mut().for_each(|x| *x *= scale);
+                white.resize(first + run.len(), 0.0);
+                whiten(coefficients, scale, &signal[run.start - order..run.end], &mut white[first..]);
                 state.iter_mut().zip(signal[run.end - order..run.end].iter().rev()).for_each(|(e, &past)| *e = past);
                 row = run.end;
                 next = long.next();
@@ -139,6 +135,30 @@ impl InnovationsFilter {
             }
         }
         white
+    }
+}
+
+/// Rows that stay in registers while all lags are taken off them.
+const AT_ONCE: usize = 8;
+
+/// Innovations of a signal of which `coefficients` many rows come before, times `scale`.
+fn whiten(coefficients: &[f64], scale: f64, signal: &[f64], white: &mut [f64]) {
+    let order = coefficients.len();
+    let mut blocks = white.chunks_exact_mut(AT_ONCE);
+    for (first, block) in (order..).step_by(AT_ONCE).zip(&mut blocks) {
+        let mut own = [0.0; AT_ONCE];
+        own.copy_from_slice(&signal[first..first + AT_ONCE]);
+        for (lag, a) in coefficients.iter().enumerate() {
+            let past = &signal[first - lag - 1..][..AT_ONCE];
+            own.iter_mut().zip(past).for_each(|(x, e)| *x -= a * e);
+        }
+        block.iter_mut().zip(own).for_each(|(white, x)| *white = x * scale);
+    }
+    let rest = blocks.into_remainder();
+    let first = signal.len() - rest.len();
+    for (k, x) in rest.iter_mut().enumerate() {
+        let past = coefficients.iter().enumerate().map(|(lag, a)| (a, signal[first + k - lag - 1]));
+        *x = past.fold(signal[first + k], |own, (a, e)| own - a * e) * scale;
     }
 }
 
@@ -229,6 +249,17 @@ mod tests {
             |lag: usize| white.iter().zip(&white[lag..]).map(|(a, b)| a * b).sum::<f64>() / (white.len() - lag) as f64;
         assert!((mean(0) - 1.0).abs() < 0.03, "{}", mean(0));
         assert!(mean(1).abs() < 0.02 && mean(3).abs() < 0.02, "{} {}", mean(1), mean(3));
+    }
+
+    #[test]
+    fn behind_enough_rows_innovations_are_what_the_lags_leave() {
+        let signal: Vec<f64> = (0..61).map(|k| (0.7 * f64::from(k)).sin()).collect();
+        let white = InnovationsFilter::new(noise(), &[true; 61], &[0]).apply(&signal);
+        assert_eq!(white.len(), 61);
+        for k in 2..61 {
+            let expected = (signal[k] - 1.2 * signal[k - 1] + 0.5 * signal[k - 2]) / 2.0;
+            assert!((white[k] - expected).abs() < 1e-14, "{k}: {} {expected}", white[k]);
+        }
     }
 
     #[test]

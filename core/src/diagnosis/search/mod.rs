@@ -9,6 +9,7 @@ mod comparison;
 mod eligible;
 mod events;
 mod found;
+mod pairs;
 mod parsimony;
 mod play;
 mod reselection;

@@ -7,6 +7,7 @@ use super::comparison::{Chosen, InOwnNoise, compare};
 use super::eligible::{Contenders, Refused, Standing};
 use super::events::held_by_noise;
 use super::found::{Found, Rejected, explained_by_play, in_the_end, members};
+use super::pairs::simpler_pairs;
 use super::parsimony::chosen;
 use super::play::rattling_gears;
 use super::reselection::reselect;
@@ -165,12 +166,13 @@ pub(crate) fn select(session: &mut Session, options: &Options, watch: &mut Watch
     let superfluous = drop_superfluous(session, &mut found)?;
     let dropped = !superfluous.is_empty();
     rejected.extend(superfluous);
+    let simpler = simpler_pairs(session, &mut found, &round.all, &multiplicity, options)?;
     let reselected = reselect(session, &mut found, &round.all, &multiplicity, options, &mut rejected, watch)?;
     let Round { mut whitener, scan, all, .. } = round;
     let sensitivity = scan.sensitivity();
     drop(scan);
     let more = all_logs::search(session, &mut found, all, &multiplicity, options, &mut rejected, watch)?;
-    if more || reselected || dropped {
+    if more || simpler || reselected || dropped {
         (whitener, _) = settled(session, &mut found)?;
     }
     let held_out = held_out_steps(session, &mut found, &whitener)?;

@@ -110,10 +110,11 @@ impl Options {
         if !(self.alpha > 0.0 && self.alpha < 1.0) {
             return Err(Error::request("alpha", format!("is {}; give a probability between 0 and 1", self.alpha)));
         }
-        let spent = self.criteria.search.spent();
-        if spent.is_nan() || spent > 1.0 + ROUNDING {
-            let problem = format!("spend {spent} of alpha; give shares whose sum is at most one");
-            return Err(Error::request("criteria.search", problem));
+        let shares = self.criteria.shares_of_alpha();
+        let spent: f64 = shares.iter().sum();
+        if spent.is_nan() || spent > 1.0 + ROUNDING || shares.iter().any(|share| *share < 0.0) {
+            let problem = format!("spend {spent} of alpha; give shares that are not negative and whose sum is at most one");
+            return Err(Error::request("criteria.search and criteria.structure.together", problem));
         }
         self.candidates.iter().try_for_each(|name| effects::find(name).map(|_| ()))
     }
@@ -131,6 +132,10 @@ mod tests {
             options.check()
         };
         assert!(with(0.0).is_ok() && with(-0.1).is_ok());
+        // No share makes room for another by being negative.
+        let mut negative = Options::default();
+        (negative.criteria.search.training, negative.criteria.search.confirmed) = (0.7, -0.1);
+        assert!(negative.check().is_err());
         let message = with(1e-3).unwrap_err().to_string();
         assert!(message.contains("criteria.search") && message.contains("at most one"), "{message}");
         assert!(with(f64::NAN).is_err());

@@ -35,9 +35,17 @@ pub enum Gate {
     Confirmation,
     /// p-value of each log by what the others predict for it.
     OtherLogs,
+    /// The residual of its joints is the noise: over the noise, on the worst one.
+    Misfit,
     /// A machine can have it with the parameters of the fit of all findings together: 1 where none can, as at the search each had to be
     /// possible with what was found before it.
     Believable,
+    /// Its amplitudes are within the bounds of its law: standard deviations by which one is beyond.
+    WithinBounds,
+    /// It is as large as the size at which its columns were taken: over that, and more than the inverse of the threshold.
+    SameSize,
+    /// Its torque is in proportion to that of its joint: over the most that can be.
+    InProportion,
     /// Its size matters: over the smaller of both least sizes.
     Size,
     /// Its strength differs from zero: p-value by its scatter between blocks.
@@ -74,7 +82,7 @@ pub enum Gate {
     StructureAgain,
     /// The same spectral line is in other logs: distance of the nearest one, Hz.
     SameLine,
-    /// They gain by it: lower bound (84 %) of the share of the residual that it explains.
+    /// They gain by it: share of the residual that it explains, that without the block that gains most, or its lower bound (84 %).
     StructureGain,
     /// It is large enough: share of the joint's residual, in squares.
     StructureShare,
@@ -100,7 +108,11 @@ impl Gate {
             Gate::HeldOutGain => "explains too little of the held-out logs",
             Gate::Confirmation => "is not confirmed by the held-out logs",
             Gate::OtherLogs => "is not what the other logs predict",
+            Gate::Misfit => "is on a joint whose residual is well above its noise",
             Gate::Believable => "has a size that no machine has",
+            Gate::WithinBounds => "would have a parameter beyond its bounds",
+            Gate::SameSize => "would be of another size than its columns",
+            Gate::InProportion => "would take more torque than its joint has",
             Gate::Size => "is too small to matter",
             Gate::Strength => "does not differ significantly from zero by its scatter between blocks",
             Gate::OwnJoint => "explains nothing of the held-out residual of its own joint",
@@ -176,11 +188,6 @@ impl Judgement {
         Judgement { passed: self.passed || other, ..self }
     }
 
-    /// Passed only where another condition holds too.
-    pub fn and(self, other: bool) -> Self {
-        Judgement { passed: self.passed && other, ..self }
-    }
-
     /// The first that is not passed.
     pub fn first_failed(judgements: impl IntoIterator<Item = Judgement>) -> Option<Judgement> {
         judgements.into_iter().find(|judgement| !judgement.passed)
@@ -205,7 +212,7 @@ mod tests {
         assert!(!Judgement::above(Gate::HeldOutGain, 0.0, 0.0).passed);
         assert!(Judgement::below(Gate::Flat, 0.5 - 1e-9, 0.5).passed && !Judgement::below(Gate::Flat, 0.5, 0.5).passed);
         let failed = Judgement::above(Gate::HeldOutGain, -1.0, 0.0);
-        assert!(failed.or(true).passed && !failed.or(false).passed && !failed.or(true).and(false).passed);
+        assert!(failed.or(true).passed && !failed.or(false).passed);
         assert_eq!(Judgement::first_failed([failed.or(true), failed]), Some(failed));
     }
 }

@@ -15,8 +15,8 @@ use serde::Serialize;
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct StructureCriteria {
-    /// Share of alpha at which training and held-out logs together show structure, and at which the map of all logs does: generic functions
-    /// are many, and what they find cannot be checked against a law.
+    /// Share of alpha at which training and held-out logs together show structure, and another such at which the map of all logs does: generic
+    /// functions are many, and what they find cannot be checked against a law.
     pub together: f64,
     /// Difference of two spectral lines up to which they are one, Hz: half the width of the peak in a Hann window of 20 s.
     pub same_line_hz: f64,
@@ -40,6 +40,6 @@ impl StructureCriteria {
 
 impl Default for StructureCriteria {
     fn default() -> Self {
-        StructureCriteria { together: 0.2, same_line_hz: 0.1, above_noise: 2.0, clear: 0.25, of_the_motion: 6.0 }
+        StructureCriteria { together: 0.1, same_line_hz: 0.1, above_noise: 2.0, clear: 0.25, of_the_motion: 6.0 }
     }
 }

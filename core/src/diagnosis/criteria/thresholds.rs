@@ -66,6 +66,11 @@ impl Default for Criteria {
 }
 
 impl Criteria {
+    /// Shares of alpha that are spent: those of the search, and those of structure by tests of blocks and by the map.
+    pub fn shares_of_alpha(&self) -> Vec<f64> {
+        self.search.shares().into_iter().chain([self.structure.together; 2]).collect()
+    }
+
     /// Most that the statistic of a test may lose where a shape at a bound of its law is moved inside: chi-square of one degree of freedom
     /// at the strict level. A law that is better at its bound than inside is not the law that acts; one that the logs do not determine
     /// loses nothing.

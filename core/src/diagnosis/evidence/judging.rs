@@ -1,8 +1,9 @@
 //! Judging candidates: score test, whether the estimate can be, and the shapes at which the test is largest.
 
-use crate::diagnosis::model::{Candidate, Member, Moved, Session, bends, extent, is_level, linear, prior, shapes};
+use crate::diagnosis::criteria::Judgement;
+use crate::diagnosis::model::{Candidate, Member, Moved, Session, extent, is_level, linear, prior, shapes};
 use crate::diagnosis::noise::Whitener;
-use crate::diagnosis::regression::{Column, Projection, Test, combined, rms};
+use crate::diagnosis::regression::{Column, Projection, Test};
 use crate::effects::{Parameter, Placed, Role, as_size, moved};
 use crate::error::Result;
 use rayon::prelude::*;
@@ -45,23 +46,35 @@ impl Judged {
 impl Session<'_> {
     /// Tests a candidate; None where it is not separable from what the fit has, or its estimate makes no sense.
     pub(crate) fn judge(&self, candidate: &Candidate, whitener: &Whitener, fit: &Projection) -> Option<Judged> {
+        self.tested(candidate, whitener, fit).ok()
+    }
+
+    /// Tests a candidate; else the logarithm of the probability of as good a fit by chance and the gate that its estimate fails, None where
+    /// it is not separable from what the fit has.
+    pub(super) fn tested(
+        &self,
+        candidate: &Candidate,
+        whitener: &Whitener,
+        fit: &Projection,
+    ) -> std::result::Result<Judged, Option<(f64, Judgement)>> {
         let mut candidate = candidate.clone();
         let mut whitened = whitener.apply_all(&candidate.columns);
         let effect = candidate.placed.effect;
         let spread = prior(&candidate.placed, self.model.base.robot());
+        let mut as_a_whole = None;
         loop {
-            let test = fit.test_with_prior(&whitened, &spread)?;
+            let test = fit.test_with_prior(&whitened, &spread).ok_or(as_a_whole)?;
             if !test.values.iter().all(|value| value.is_finite()) {
-                return None;
+                return Err(as_a_whole);
             }
-            if self.is_physical(&candidate, &test) {
-                let mut placed = candidate.placed.clone();
-                linear(effect).iter().zip(&test.values).for_each(|(&index, &value)| placed.parameters[index] = value);
-                let believable = is_level(effect)
-                    || effect.is_believable(&placed.parameters, placed.joint, self.model.base.robot())
-                        && self.is_in_proportion(&candidate, &test);
-                return believable.then_some(Judged { candidate, whitened, test });
+            let failed = self.out_of_bounds(&candidate, &test);
+            if failed.is_none() {
+                return match self.unbelievable(&candidate, &test) {
+                    None => Ok(Judged { candidate, whitened, test }),
+                    Some(failed) => Err(as_a_whole.or(Some((test.log_p(), failed)))),
+                };
             }
+            as_a_whole = as_a_whole.or(failed.map(|failed| (test.log_p(), failed)));
             // An amplitude beyond its bound is one that is not there; the others may do without it.
             let parameters = effect.parameters();
             let beyond = linear(effect).into_iter().enumerate().filter(|(k, index)| {
@@ -69,13 +82,13 @@ impl Session<'_> {
                 let there = role == Role::Amplitude && !whitened[*k].parts.is_empty();
                 there && lower <= 0.0 && upper >= 0.0 && !(lower..=upper).contains(&test.values[*k])
             });
-            let (worst, _) = beyond.max_by(|(a, _), (b, _)| {
-                (test.values[*a] / test.std[*a]).abs().total_cmp(&(test.values[*b] / test.std[*b]).abs())
-            })?;
+            let sure = |k: usize| (test.values[k] / test.std[k]).abs();
+            let worst = beyond.max_by(|(a, _), (b, _)| sure(*a).total_cmp(&sure(*b)));
+            let (worst, _) = worst.ok_or(as_a_whole)?;
             Arc::make_mut(&mut candidate.columns)[worst] = Column::default();
             whitened[worst] = Column::default();
             if !whitened.iter().any(Column::is_sound) {
-                return None;
+                return Err(as_a_whole);
             }
         }
     }
@@ -92,66 +105,6 @@ impl Session<'_> {
         let candidates = placed.par_iter().cloned().zip(columns);
         let judged = candidates.map(|(placed, columns)| self.judge(&Candidate { placed, log, columns }, whitener, fit));
         Ok(judged.collect())
-    }
-
-    /// Whether the torque of an estimate is not more than what can be of its joint's: on the valid rows, and for friction
-    /// in all others too, to which a law that hardly reaches the valid rows is carried on.
-    fn is_in_proportion(&self, candidate: &Candidate, test: &Test) -> bool {
-        if candidate.placed.effect.about().dry {
-            let largest = |values: &[f64]| values.iter().fold(0.0f64, |most, value| most.max(value.abs()));
-            let friction = combined(&candidate.columns, &test.values);
-            if friction
-                .parts
-                .iter()
-                .any(|(joint, values)| largest(values) > largest(&self.logs.train.rows.torque[*joint]))
-            {
-                return false;
-            }
-        }
-        let Some(share) = candidate.placed.effect.largest_share() else { return true };
-        let valid = &self.logs.train.rows.valid;
-        let joint = candidate.placed.joint;
-        let of_effect = rms(valid, &combined(&candidate.columns, &test.values))[joint];
-        let all = Column::on(joint, self.logs.train.rows.torque[joint].clone());
-        // A wrist that carries next to nothing has the offset and the hoses of a drive that could carry more.
-        let limit = self.model.base.robot().joints[joint].limits.effort;
-        let of_drive = if limit.is_finite() { self.criteria.estimate.share_of_drive * limit } else { 0.0 };
-        of_effect <= share * rms(valid, &all)[joint].max(of_drive)
-    }
-
-    /// Whether the estimate can be: within its bounds to within its uncertainty. A `change` of an amplitude may go either way.
-    fn is_physical(&self, candidate: &Candidate, test: &Test) -> bool {
-        let change = self.logs.train.rows.of_change();
-        let effect = candidate.placed.effect;
-        let criteria = &self.criteria.estimate;
-        if is_level(effect) {
-            let sizes = linear(effect).into_iter().map(|index| candidate.placed.parameters[index]);
-            return test.values.iter().zip(sizes).all(|(value, size)| criteria.is_same_size(*value, size));
-        }
-        if candidate.one_sided() && !change && test.values[0] <= 0.0 {
-            return false;
-        }
-        if let [only] = linear(effect)[..]
-            && bends(effect, only)
-        {
-            // The column is that of one size; an estimate of another size is of something else. The smallest column is as good
-            // as straight, and stands for everything below it.
-            let size = candidate.placed.parameters[only];
-            let is_straight = || {
-                let sizes = extent(&self.logs.train.rows, candidate.placed.joint).sizes(effect, only);
-                let smallest = sizes.first().copied().unwrap_or_default();
-                size.abs() <= smallest && test.values[0].abs() < criteria.same_size * size.abs()
-            };
-            if !(criteria.is_same_size(test.values[0], size) || is_straight()) {
-                return false;
-            }
-        }
-        let estimates = test.values.iter().zip(&test.std);
-        let far = self.criteria.levels.far;
-        linear(effect).into_iter().zip(estimates).all(|(index, (value, std))| {
-            let Parameter { lower, upper, role, .. } = effect.parameters()[index];
-            (change && role == Role::Amplitude) || (value + far * std >= lower && value - far * std <= upper)
-        })
     }
 
     /// A candidate in the form of its law that is the likeliest, with its shapes and sizes where its test is largest.

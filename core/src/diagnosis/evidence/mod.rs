@@ -14,6 +14,7 @@ mod impacts;
 mod judging;
 mod multiplicity;
 mod play;
+mod possible;
 mod rival_laws;
 mod scan;
 

@@ -2,6 +2,7 @@
 
 use super::judging::Judged;
 use super::multiplicity::{Multiplicity, Scanned};
+use crate::diagnosis::criteria::Judgement;
 use crate::diagnosis::model::{Candidate, Family, Session, Slot, is_shift, linear};
 use crate::diagnosis::noise::Whitener;
 use crate::diagnosis::regression::Projection;
@@ -13,6 +14,8 @@ use std::sync::OnceLock;
 #[derive(Debug)]
 pub(crate) struct Scan {
     judged: Vec<Judged>,
+    /// Of those whose estimate makes no sense the likeliest of every family: logarithm of its probability by chance, and the gate.
+    impossible: BTreeMap<Slot, (f64, Judgement)>,
     /// Which of them may be a name: all but lags and delays that are not significant once adjusted for errors in variables. These look
     /// more significant than anything where encoders are coarse, and would be alternatives to every finding.
     stand: Vec<bool>,
@@ -25,8 +28,20 @@ pub(crate) struct Scan {
 impl Scan {
     /// Tests all candidates; those that are not separable from the model or make no sense are left out.
     pub(crate) fn new(session: &Session, all: &[Candidate], whitener: &Whitener, fit: &Projection) -> Self {
-        let judged: Vec<Judged> =
-            all.par_iter().filter_map(|candidate| session.judge(candidate, whitener, fit)).collect();
+        let tested: Vec<_> = all.par_iter().map(|candidate| session.tested(candidate, whitener, fit)).collect();
+        let (mut judged, mut impossible) = (Vec::with_capacity(tested.len()), BTreeMap::new());
+        for (candidate, tested) in all.iter().zip(tested) {
+            match tested {
+                Ok(one) => judged.push(one),
+                Err(Some(failed)) => {
+                    let likeliest = impossible.entry(candidate.slot()).or_insert(failed);
+                    if failed.0 < likeliest.0 {
+                        *likeliest = failed;
+                    }
+                }
+                Err(None) => {}
+            }
+        }
         let adjusted_for_errors = OnceLock::new();
         let stands = |judged: &Judged| {
             let placed = &judged.candidate.placed;
@@ -39,7 +54,8 @@ impl Scan {
             fit.test(&judged.whitened).is_some_and(|test| test.log_p() < session.criteria.levels.sure_p.ln())
         };
         let stand = judged.iter().map(stands).collect();
-        Scan { judged, stand, change: session.logs.train.rows.of_change(), log_odds: session.criteria.levels.log_odds }
+        let (change, log_odds) = (session.logs.train.rows.of_change(), session.criteria.levels.log_odds);
+        Scan { judged, impossible, stand, change, log_odds }
     }
 
     /// How many independent tests the scan is worth.
@@ -69,6 +85,18 @@ impl Scan {
         let mut best: Vec<&Judged> = best.into_values().collect();
         best.sort_by(|a, b| a.test.log_p().total_cmp(&b.test.log_p()));
         best
+    }
+
+    /// What is likelier than all candidates of its family that can be, and has an estimate that cannot: logarithm of the probability by
+    /// chance, and the gate that it fails.
+    pub(crate) fn impossible(&self) -> Vec<(Slot, f64, Judgement)> {
+        let mut possible: BTreeMap<Slot, f64> = BTreeMap::new();
+        for judged in &self.judged {
+            let best = possible.entry(judged.candidate.slot()).or_insert(f64::INFINITY);
+            *best = best.min(judged.test.log_p());
+        }
+        let all = self.impossible.iter().map(|(slot, (log_p, failed))| (*slot, *log_p, *failed));
+        all.filter(|(slot, log_p, _)| possible.get(slot).is_none_or(|best| log_p + self.log_odds < *best)).collect()
     }
 
     /// For every family the index of its first linear parameter and the smallest standard deviation of it over the

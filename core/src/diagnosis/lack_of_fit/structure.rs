@@ -137,8 +137,8 @@ pub(super) struct Seen<'a> {
 struct Again {
     /// Probability of as much by chance.
     chance: f64,
-    /// Whether they gain by it, also outside the second that gains most.
-    gained: bool,
+    /// Whether they gain by it, and also without the block that gains most.
+    gained: [Judgement; 2],
     /// Whether that is significant: by its lower bound, or by chance where it is fitted to them.
     significant: Judgement,
 }
@@ -307,18 +307,24 @@ impl<'a> Fitted<'a> {
         let Again { chance, gained, significant } =
             if block.over_time { self.seen_again(&under, again) } else { self.gained(&under, joint, block, again) };
         let with = |level: f64| fisher([level.min(1.0), chance].map(|p| p.max(f64::MIN_POSITIVE).ln())).exp();
-        tracing::debug!(joint, structure, chance, gained, ?significant, "structure on held-out rows");
+        tracing::debug!(joint, structure, chance, ?gained, ?significant, "structure on held-out rows");
         let levels = &self.session.criteria.levels;
         let surely = Judgement::below(Gate::Structure, family_wise_p, self.certain);
         let again = |level: f64| Judgement::below(Gate::StructureAgain, chance, level);
         // A place may be passed once, and what was fitted to few rows goes the right way without a gain.
         let ways = [
-            [surely.and(gained), significant],
-            [surely, again(levels.strict_p)],
-            [Judgement::below(Gate::Structure, with(family_wise_p), self.together).and(gained), again(levels.usual_p)],
+            vec![surely, gained[0], gained[1], significant],
+            vec![surely, again(levels.strict_p)],
+            vec![
+                Judgement::below(Gate::Structure, with(family_wise_p), self.together),
+                gained[0],
+                gained[1],
+                again(levels.usual_p),
+            ],
         ];
-        let way = ways.iter().find(|way| Judgement::first_failed(**way).is_none());
-        let certain = Judgement::first_failed(ways[0]).is_none();
+        let failures = |way: &Vec<Judgement>| way.iter().filter(|judgement| !judgement.passed).count();
+        let way = ways.iter().find(|way| failures(way) == 0);
+        let certain = failures(&ways[0]) == 0;
         let of_finding =
             [again(levels.leaning_p), Judgement::below(Gate::Structure, with(place.kinds * p), levels.strict_p)];
         let is_not_all = place.has_names && Judgement::first_failed(of_finding).is_none();
@@ -330,7 +336,9 @@ impl<'a> Fitted<'a> {
         let passed = match way {
             Some(way) if large.passed => way.iter().copied().chain([large]).collect(),
             _ if instead_of.is_empty() => {
-                let failed = Judgement::first_failed(ways[0]).filter(|_| way.is_none());
+                // The way that comes nearest: of those that fail fewest gates the first.
+                let nearest = ways.iter().min_by_key(|way| failures(way)).filter(|_| way.is_none());
+                let failed = nearest.and_then(|way| Judgement::first_failed(way.iter().copied()));
                 return Err(failed.unwrap_or(large));
             }
             _ => of_finding.to_vec(),
@@ -348,13 +356,14 @@ impl<'a> Fitted<'a> {
         let slow = |found: Test| against_slow_noise(&test.rows, &under.on_held_out, &fit, &whitened, &found).exp();
         let chance = fit.test(&whitened).map_or(1.0, slow);
         let significant = Judgement::below(Gate::StructureAgain, chance, self.session.criteria.levels.strict_p);
-        Again { chance, gained: significant.passed, significant }
+        Again { chance, gained: [significant; 2], significant }
     }
 
     /// Evidence of the held-out rows for a block that follows from the motion, as fitted to the training rows.
     fn gained(&self, under: &Under, joint: usize, block: &Block, again: &Block) -> Again {
         let gains = self.gains(under, joint, block, again);
-        let gained = gains.share() > 0.0 && gains.without_most_influential_block() > 0.0;
+        let gained = [gains.share(), gains.without_most_influential_block()];
+        let gained = gained.map(|gain| Judgement::above(Gate::StructureGain, gain, 0.0));
         let lower_bound = gains.lower_bound(&self.session.criteria.levels);
         Again { chance: gains.chance(), gained, significant: Judgement::above(Gate::StructureGain, lower_bound, 0.0) }
     }

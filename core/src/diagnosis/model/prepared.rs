@@ -5,8 +5,8 @@ use crate::diagnosis::logs::LowPass;
 use crate::diagnosis::regression::Column;
 use std::ops::Range;
 
-/// Logs that every model is fitted to and judged by. Their rows do not change after their preparation. The search adds columns to the baselines: those
-/// of gears whose impacts show play, and those of moments of the first body that only a tilted base shows.
+/// Logs that every model is fitted to and judged by. They do not change: a search that finds gears with play, or a tilted base that shows
+/// moments of the first body, goes on with others, which have more columns in the baselines ([`PreparedLogs::with`]).
 #[derive(Debug, Clone)]
 pub struct PreparedLogs {
     /// Training logs.
@@ -30,11 +30,12 @@ impl PreparedLogs {
         self.train.rows.sensor_noise(joint, 1).max(self.test.rows.sensor_noise(joint, 1))
     }
 
-    /// Inserts columns into the baselines of the training and of the held-out logs, the first at a place.
-    pub(crate) fn insert(&mut self, place: usize, columns: &[Vec<Column>; 2]) {
+    /// The same with more columns in the baselines of the training and of the held-out logs, the first at a place.
+    pub(crate) fn with(mut self, place: usize, columns: &[Vec<Column>; 2]) -> Self {
         for (data, columns) in [&mut self.train, &mut self.test].into_iter().zip(columns) {
             data.baseline.splice(place..place, columns.iter().cloned());
         }
+        self
     }
 
     /// The same with all logs to identify from.

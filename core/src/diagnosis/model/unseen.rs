@@ -38,9 +38,9 @@ impl Unseen {
         self.changes.is_empty()
     }
 
-    /// Adds the columns to the baselines of the logs.
-    pub(crate) fn free_in(&self, logs: &mut PreparedLogs) {
-        logs.insert(self.first, &self.columns);
+    /// The logs with the columns in their baselines.
+    pub(crate) fn free_in(&self, logs: &PreparedLogs) -> PreparedLogs {
+        logs.clone().with(self.first, &self.columns)
     }
 
     /// The standard parameters' change with these values of the baseline.

@@ -91,7 +91,12 @@ impl Whitener {
 
     /// Whether the residual of any of `joints` is well above the noise: by more than the factor `misfit`.
     pub(crate) fn is_misfit(&self, joints: &[usize], misfit: f64) -> bool {
-        joints.iter().any(|&joint| self.misfit(joint) > misfit)
+        self.largest_misfit(joints) > misfit
+    }
+
+    /// The largest factor on the noise of these joints that makes it as large as the residual.
+    pub(crate) fn largest_misfit(&self, joints: &[usize]) -> f64 {
+        joints.iter().map(|&joint| self.misfit(joint)).fold(0.0, f64::max)
     }
 
     /// Standard deviation of each joint's noise in the rows, without misfit, N m.

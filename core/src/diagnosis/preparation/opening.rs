@@ -109,8 +109,8 @@ impl<'a> Session<'a> {
         };
         let columns = [of_joints(&self.logs.train)?, of_joints(&self.logs.test)?];
         let place = self.blocks(&[]).known.start;
-        self.logs.bands = place..place + columns[0].len();
-        self.logs.insert(place, &columns);
+        let logs = self.logs.clone().with(place, &columns);
+        self.logs = PreparedLogs { bands: place..place + columns[0].len(), ..logs };
         Ok(())
     }
 

@@ -104,7 +104,7 @@ impl Trial<'_> {
         let with: Vec<Member> = members.iter().cloned().chain([winner.member()]).collect();
         let whitener = session.noise_under(&session.model.columns(&session.logs.train, &with)?);
         let joints = winner.candidate.joints();
-        let misfit = whitener.is_misfit(&joints, session.criteria.levels.misfit);
+        let misfit = whitener.largest_misfit(&joints);
         let left = |members: &[Member]| cross_validated_residual(session, members, &whitener);
         let (before, after, rows) = (left(members)?, left(&with)?, session.logs.train.rows.len());
         let errors = session.errors_with(&session.logs.train, &winner.candidate.placed);
@@ -114,7 +114,8 @@ impl Trial<'_> {
         let gates = [
             Judgement::at_most(Gate::FamilyWise, level, limit),
             Judgement::at_most(Gate::Influence, elsewhere.exp(), self.session.criteria.levels.strict_p),
-            Judgement::at_most(Gate::OtherLogs, chance, self.session.criteria.levels.usual_p).and(!misfit),
+            Judgement::at_most(Gate::OtherLogs, chance, self.session.criteria.levels.usual_p),
+            Judgement::at_most(Gate::Misfit, misfit, self.session.criteria.levels.misfit),
             Judgement::above(Gate::HeldOutGain, share, 0.0),
         ];
         Ok(match Judgement::first_failed(gates) {

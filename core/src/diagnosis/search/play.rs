@@ -97,9 +97,9 @@ pub(super) fn rattling_gears(session: &Session, options: &Options) -> Result<Imp
     }
     // Between the impacts the link lies on one side or the other, which looks like an encoder that is not true.
     let known_from = session.blocks(&[]).known.start;
-    let mut logs = session.logs.clone();
     let steady = |data: &DataSet| -> Result<_> { Ok(columns(&session.model.arm, &data.rows, &placed)?.concat()) };
-    logs.insert(known_from, &[steady(&session.logs.train)?, steady(&session.logs.test)?]);
+    let steady = [steady(&session.logs.train)?, steady(&session.logs.test)?];
+    let mut logs = session.logs.clone().with(known_from, &steady);
     for (data, traces) in [(&mut logs.train, &train), (&mut logs.test, &test)] {
         joints.iter().for_each(|&joint| traces.leave_out(joint, &mut data.rows));
     }

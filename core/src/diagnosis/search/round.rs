@@ -115,7 +115,7 @@ pub(super) fn converged(session: &mut Session, found: &mut [Found], whitener: &W
     if unseen.is_empty() && !members.iter().any(|member| !member.held && acts_upon_arm(member.placed.effect)) {
         return Ok(None);
     }
-    unseen.free_in(&mut session.logs);
+    session.logs = unseen.free_in(&session.logs);
     for _ in 0..ROUNDS {
         members.iter_mut().for_each(Member::take_departures_at_estimates);
         let before: Vec<Vec<f64>> = members.iter().map(|member| member.factors.clone()).collect();

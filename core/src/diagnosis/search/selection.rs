@@ -169,6 +169,12 @@ pub(crate) fn select(session: &mut Session, options: &Options, watch: &mut Watch
     let simpler = simpler_pairs(session, &mut found, &round.all, &multiplicity, options)?;
     let reselected = reselect(session, &mut found, &round.all, &multiplicity, options, &mut rejected, watch)?;
     let Round { mut whitener, scan, all, .. } = round;
+    // What would be significant with an estimate that cannot be.
+    for (slot, log_p, failed) in scan.impossible() {
+        if multiplicity.level(slot.0.effect, log_p) <= options.alpha {
+            rejected.push(Rejected { slot, failed });
+        }
+    }
     let sensitivity = scan.sensitivity();
     drop(scan);
     let more = all_logs::search(session, &mut found, all, &multiplicity, options, &mut rejected, watch)?;

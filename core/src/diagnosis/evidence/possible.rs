@@ -1,0 +1,92 @@
+//! Whether an estimate can be: within the bounds of its parameters, of the size at which its columns were taken, and of a torque that its
+//! joint can have.
+
+use crate::diagnosis::criteria::{Gate, Judgement};
+use crate::diagnosis::model::{Candidate, Session, bends, extent, is_level, linear};
+use crate::diagnosis::regression::{Column, Test, combined, rms};
+use crate::effects::{Parameter, Role};
+
+impl Session<'_> {
+    /// The gate that an estimate fails which is beyond its bounds by more than its uncertainty, or of another size than its columns. A change
+    /// of an amplitude may go either way.
+    pub(super) fn out_of_bounds(&self, candidate: &Candidate, test: &Test) -> Option<Judgement> {
+        let change = self.logs.train.rows.of_change();
+        let effect = candidate.placed.effect;
+        let criteria = &self.criteria.estimate;
+        let another_size = |value: f64, size: f64| {
+            let judgement = Judgement::below(Gate::SameSize, value / size, criteria.same_size);
+            let same = criteria.is_same_size(value, size);
+            (!same).then_some(Judgement { passed: false, ..judgement })
+        };
+        if is_level(effect) {
+            let sizes = linear(effect).into_iter().map(|index| candidate.placed.parameters[index]);
+            return test.values.iter().zip(sizes).find_map(|(value, size)| another_size(*value, size));
+        }
+        let far = self.criteria.levels.far;
+        if candidate.one_sided() && !change && test.values[0] <= 0.0 {
+            return Some(Judgement::below(Gate::WithinBounds, -test.values[0] / test.std[0], 0.0));
+        }
+        if let [only] = linear(effect)[..]
+            && bends(effect, only)
+        {
+            // The column is that of one size; an estimate of another size is of something else. The smallest column is as good
+            // as straight, and stands for everything below it.
+            let size = candidate.placed.parameters[only];
+            let is_straight = || {
+                let sizes = extent(&self.logs.train.rows, candidate.placed.joint).sizes(effect, only);
+                let smallest = sizes.first().copied().unwrap_or_default();
+                size.abs() <= smallest && test.values[0].abs() < criteria.same_size * size.abs()
+            };
+            if let Some(failed) = another_size(test.values[0], size).filter(|_| !is_straight()) {
+                return Some(failed);
+            }
+        }
+        let estimates = linear(effect).into_iter().zip(test.values.iter().zip(&test.std));
+        let judgements = estimates.filter_map(|(index, (value, std))| {
+            let Parameter { lower, upper, role, .. } = effect.parameters()[index];
+            let either_way = change && role == Role::Amplitude;
+            let passed = value + far * std >= lower && value - far * std <= upper;
+            let beyond = ((lower - value) / std).max((value - upper) / std);
+            (!either_way && !passed).then_some(Judgement { passed, ..Judgement::at_most(Gate::WithinBounds, beyond, far) })
+        });
+        judgements.max_by(|a, b| a.value.total_cmp(&b.value))
+    }
+
+    /// The gate that an estimate fails which no machine has, or whose torque is more than can be of its joint's.
+    pub(super) fn unbelievable(&self, candidate: &Candidate, test: &Test) -> Option<Judgement> {
+        let effect = candidate.placed.effect;
+        if is_level(effect) {
+            return None;
+        }
+        let mut placed = candidate.placed.clone();
+        linear(effect).iter().zip(&test.values).for_each(|(&index, &value)| placed.parameters[index] = value);
+        let can_be = effect.is_believable(&placed.parameters, placed.joint, self.model.base.robot());
+        let believable = Judgement::at_most(Gate::Believable, f64::from(u8::from(!can_be)), 0.0);
+        let in_proportion = Judgement::at_most(Gate::InProportion, self.proportion(candidate, test), 1.0);
+        Judgement::first_failed([believable, in_proportion])
+    }
+
+    /// The torque of an estimate over what can be of its joint's: on the valid rows, and for friction in all others too, to which a law that
+    /// hardly reaches the valid rows is carried on.
+    fn proportion(&self, candidate: &Candidate, test: &Test) -> f64 {
+        let effect = candidate.placed.effect;
+        let mut most = 0.0f64;
+        if effect.about().dry {
+            let largest = |values: &[f64]| values.iter().fold(0.0f64, |most, value| most.max(value.abs()));
+            for (joint, values) in &combined(&candidate.columns, &test.values).parts {
+                let (friction, torque) = (largest(values), largest(&self.logs.train.rows.torque[*joint]));
+                most = most.max(if friction > 0.0 { friction / torque } else { 0.0 });
+            }
+        }
+        let Some(share) = effect.largest_share() else { return most };
+        let valid = &self.logs.train.rows.valid;
+        let joint = candidate.placed.joint;
+        let of_effect = rms(valid, &combined(&candidate.columns, &test.values))[joint];
+        let all = Column::on(joint, self.logs.train.rows.torque[joint].clone());
+        // A wrist that carries next to nothing has the offset and the hoses of a drive that could carry more.
+        let limit = self.model.base.robot().joints[joint].limits.effort;
+        let of_drive = if limit.is_finite() { self.criteria.estimate.share_of_drive * limit } else { 0.0 };
+        let can_be = share * rms(valid, &all)[joint].max(of_drive);
+        most.max(if of_effect > 0.0 { of_effect / can_be } else { 0.0 })
+    }
+}

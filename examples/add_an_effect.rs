@@ -91,7 +91,7 @@ fn main() -> Result<()> {
         log
     });
 
-    // The log tells what was hidden, together with the arm's base parameters and friction.
+    // The log determines what was hidden, together with the arm's base parameters and friction.
     let (train, test) = ([&logs[0]], [&logs[1]]);
     let logs = Logs { train: &train, test: &test };
     let preparation = Preparation { smoothing: smoothing_choice::savitzky_golay(&train)?, band: Band::OfNoise };

@@ -16,7 +16,7 @@ from ._tauscope import TauscopeError
 
 
 class BaseParameters(NamedTuple):
-    """The combinations of standard parameters that torque can tell apart: ``sums = matrix @ standard``."""
+    """The combinations of standard parameters that torque determines: ``sums = matrix @ standard``."""
 
     standard: list[str]
     """Symbols of the standard parameters, 13 per body: m, mx .. Izz, rotor inertia Ia, friction Fv and Fc."""

@@ -1,11 +1,13 @@
 //! What the simulation has already is not found again; what changed since reference logs is, and what did not is not.
 
 use super::{SETUP, answer, logs, with};
+use nalgebra::{Matrix3, Vector3};
 use std::sync::LazyLock;
-use tauscope::diagnosis::{Conclusion, Diagnosis, Verdict};
+use tauscope::diagnosis::{Conclusion, Diagnosis, Gate, Verdict};
 use tauscope::effects::{Placed, find};
 use tauscope::recording::{self, Recording};
-use tauscope::robot::{InertiaCheck, load};
+use tauscope::identification::effect_model::Trust;
+use tauscope::robot::{Inertia, InertiaCheck, load};
 
 static CLEAN: LazyLock<Vec<Recording>> = LazyLock::new(|| logs(&SETUP, 1, 2));
 static STRIBECK: LazyLock<Vec<Recording>> = LazyLock::new(|| logs(&with(&[stribeck()]), 2, 5));
@@ -78,6 +80,27 @@ fn worn_gears_are_a_change_of_friction() {
     assert!((changed - 4.0).abs() < 1.0, "{changed}");
 }
 
+/// By two curved laws the search may reach what two linear ones explain: here a power of the speed, then a Stribeck curve.
+#[test]
+fn wear_that_raises_viscous_and_lowers_coulomb_friction_is_named_as_both() {
+    let drive = SETUP.known.joints[1].drive;
+    let wear = [("coulomb_friction", -0.25 * drive.coulomb), ("viscous_friction", 0.6 * drive.viscous)];
+    let after = logs(&with(&wear.map(|(name, size)| placed(name, 1, &[size]))), 8, 3);
+    let (test, train) = after.split_last().unwrap();
+    let names_of_wear = wear.map(|(name, _)| name);
+    let laws = names_of_wear.iter().copied().chain(["nonlinear_viscous_friction", "stribeck_friction"]);
+    let diagnosis = Diagnosis::of(&SETUP.known).train(train).test([test]).reference(&*CLEAN).candidates(laws);
+    let conclusion = answer(diagnosis).into_conclusion().unwrap();
+    let mut found = names(&conclusion);
+    found.sort_unstable();
+    assert_eq!(found, names_of_wear.map(|name| (name, 1)));
+    for (name, size) in wear {
+        let all = &conclusion.diagnosis.found;
+        let member = &all.iter().find(|one| one.member.placed.effect.about().name == name).unwrap().member;
+        assert_estimated(member.placed.parameters[0], member.std[0], size);
+    }
+}
+
 #[test]
 fn a_change_may_be_for_the_better() {
     let worn = logs(&with(&[placed("viscous_friction", 3, &[2.0])]), 5, 2);
@@ -125,7 +148,28 @@ fn a_load_in_the_held_out_log_alone_is_told() {
     assert_eq!((diagnosis.verdict, names(&conclusion)), (Verdict::Unexplained, vec![]));
     assert!(diagnosis.unexplained.iter().any(|left| left.joint == 1), "{:?}", diagnosis.unexplained);
     assert!(diagnosis.unexplained.iter().all(|left| left.structure == "is in the held-out logs alone"));
+    // Residual against training rows, against parts of these, and what one set of parameters for all logs leaves.
+    assert!(diagnosis.unexplained.iter().all(|left| left.passed.len() == 3 && left.passed.iter().all(|one| one.passed)));
     assert!(diagnosis.next_experiment.contains("one load"), "{}", diagnosis.next_experiment);
+}
+
+/// An arm that is lighter than described carries no load of a negative mass: the refusal says so.
+#[test]
+fn a_load_that_cannot_be_is_refused_with_its_gate() {
+    let mut heavier = SETUP.known.clone();
+    heavier.joints[5].inertia = SETUP.known.joints[5].inertia.welded_to(&Inertia::from_center_of_mass(
+        6.0,
+        Vector3::new(0.0, 0.0, 0.1),
+        Matrix3::identity() * 0.02,
+    ));
+    let all = logs(&SETUP, 9, 3);
+    let (test, train) = all.split_last().unwrap();
+    let diagnosis = Diagnosis::of(&heavier).trust(Trust::Nominal).train(train).test([test]).candidates(["payload"]);
+    let diagnosis = answer(diagnosis).into_conclusion().unwrap().diagnosis;
+    assert!(diagnosis.found.is_empty());
+    let refused = diagnosis.rejected.iter().find(|one| one.slot.0.effect == "payload").expect("a payload");
+    assert!(matches!(refused.failed.gate, Gate::WithinBounds | Gate::Believable), "{refused:?}");
+    assert!(!refused.failed.passed && refused.failed.value > refused.failed.threshold, "{refused:?}");
 }
 
 /// The arm of `reference/payload`, whose joints have a torque ripple that is no candidate here, before and after it took up 1.5 kg.

@@ -1,5 +1,6 @@
 //! What an estimate can be.
 
+use super::judgement::{Gate, Judgement};
 use serde::Serialize;
 
 /// Thresholds that decide whether an estimate is one that a machine can have and that its columns describe.
@@ -30,9 +31,10 @@ impl Default for EstimateCriteria {
 
 impl EstimateCriteria {
     /// Whether an estimate agrees with the size at which its columns were taken; both may be negative.
-    pub(crate) fn is_same_size(&self, estimate: f64, size: f64) -> bool {
+    pub(crate) fn same_size(&self, estimate: f64, size: f64) -> Judgement {
         let share = estimate / size;
-        share > 1.0 / self.same_size && share < self.same_size
+        let factor = if share > 0.0 { share.max(1.0 / share) } else { f64::INFINITY };
+        Judgement::below(Gate::SameSize, factor, self.same_size)
     }
 }
 
@@ -43,9 +45,10 @@ mod tests {
     #[test]
     fn either_side_of_the_same_size() {
         let criteria = EstimateCriteria::default();
-        assert!(criteria.is_same_size(1.99, 1.0) && !criteria.is_same_size(2.01, 1.0));
-        assert!(criteria.is_same_size(0.51, 1.0) && !criteria.is_same_size(0.49, 1.0));
-        assert!(criteria.is_same_size(-1.0, -1.0) && !criteria.is_same_size(-1.0, 1.0));
-        assert!(!criteria.is_same_size(f64::NAN, 1.0));
+        let passes = |estimate: f64, size: f64| criteria.same_size(estimate, size).passed;
+        assert!(passes(1.99, 1.0) && !passes(2.01, 1.0));
+        assert!(passes(0.51, 1.0) && !passes(0.49, 1.0));
+        assert!(passes(-1.0, -1.0) && !passes(-1.0, 1.0));
+        assert!(!passes(f64::NAN, 1.0));
     }
 }

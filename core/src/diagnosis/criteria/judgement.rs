@@ -42,7 +42,7 @@ pub enum Gate {
     Believable,
     /// Its amplitudes are within the bounds of its law: standard deviations by which one is beyond.
     WithinBounds,
-    /// It is as large as the size at which its columns were taken: over that, and more than the inverse of the threshold.
+    /// It is about as large as the size at which its columns were taken: factor between both, infinite where they differ in sign.
     SameSize,
     /// Its torque is in proportion to that of its joint: over the most that can be.
     InProportion,

@@ -13,11 +13,8 @@ impl Session<'_> {
         let change = self.logs.train.rows.of_change();
         let effect = candidate.placed.effect;
         let criteria = &self.criteria.estimate;
-        let another_size = |value: f64, size: f64| {
-            let judgement = Judgement::below(Gate::SameSize, value / size, criteria.same_size);
-            let same = criteria.is_same_size(value, size);
-            (!same).then_some(Judgement { passed: false, ..judgement })
-        };
+        let another_size =
+            |value: f64, size: f64| Some(criteria.same_size(value, size)).filter(|judgement| !judgement.passed);
         if is_level(effect) {
             let sizes = linear(effect).into_iter().map(|index| candidate.placed.parameters[index]);
             return test.values.iter().zip(sizes).find_map(|(value, size)| another_size(*value, size));

@@ -1,7 +1,8 @@
-//! A law over all effects: what an effect adds to the torque is the same for `identify` and `diagnose`.
+//! A law over the arm and all effects: their torque is the same for `identify` and `diagnose`.
 
 use crate::channels::Channels;
 use crate::diagnosis::logs::{FEWEST_ROWS, Rows};
+use crate::diagnosis::regression::{Column, combined};
 use crate::effects::{LIBRARY, Nature, Placed, Scope};
 use crate::identification::effect_model::Arm;
 use crate::identification::effect_model::{EffectModel, Preparation, Trust};
@@ -49,13 +50,16 @@ fn motion(joints: usize) -> Recording {
     }
 }
 
+fn preparation() -> Preparation {
+    let smoothing = Smoothing::BlockMeans { cutoff_hz: CUTOFF_HZ, block: BLOCK };
+    Preparation { smoothing, band: Band::Given(0.0) }
+}
+
 /// Torque that `identify` predicts with some effects, `[joint][time]`, by an arm that is described as `described` and identified as `real`.
 fn predicted([real, described]: [&Robot; 2], trust: Trust, log: &Recording, placed: Vec<Placed>) -> Vec<Vec<f64>> {
-    let smoothing = Smoothing::BlockMeans { cutoff_hz: CUTOFF_HZ, block: BLOCK };
-    let preparation = Preparation { smoothing, band: Band::Given(0.0) };
     let [true_model, model] = [real, described].map(Model::new);
     let [true_model, mut model] =
-        [&true_model, &model].map(|model| EffectModel::new(model, trust, &[log], preparation, placed.clone()).unwrap());
+        [&true_model, &model].map(|model| EffectModel::new(model, trust, &[log], preparation(), placed.clone()).unwrap());
     model.set_baseline(true_model.baseline());
     let bodies = model.found_arm();
     let model = model.with_bodies(bodies);
@@ -76,6 +80,19 @@ fn identify_and_diagnose_have_the_same_torque_of_every_effect() {
     agree([&real, &Model::with_standard_values(&real, &standard)], Trust::Structure);
 }
 
+/// Root of the sum of squares over joints and rows of the difference of two torques, and that of the second, away from the ends.
+fn apart(identified: &[Vec<f64>], diagnosed: &Column) -> [f64; 2] {
+    let (mut apart, mut size) = (0.0, 0.0);
+    for (joint, identified) in identified.iter().enumerate() {
+        for block in ENDS..identified.len() - ENDS {
+            let diagnosed = diagnosed.part(joint).map_or(0.0, |column| column[block]);
+            apart += (identified[block] - diagnosed).powi(2);
+            size += diagnosed.powi(2);
+        }
+    }
+    [apart, size].map(f64::sqrt)
+}
+
 fn agree([real, described]: [&Robot; 2], trust: Trust) {
     let log = motion(real.dof());
     let rows = Rows::new(&[&log], CUTOFF_HZ, FEWEST_ROWS).unwrap();
@@ -85,6 +102,13 @@ fn agree([real, described]: [&Robot; 2], trust: Trust) {
         arm.take(&model, &model.base().values(&Model::standard_values(real)));
     }
     let without = predicted([real, described], trust, &log, Vec::new());
+    let values = EffectModel::new(&Model::new(real), trust, &[&log], preparation(), Vec::new()).unwrap().baseline().to_vec();
+    let mut by_columns = combined(&arm.baseline(&Model::new(described), &rows), &values);
+    by_columns.add(1.0, &arm.described_torque(&rows));
+    for torque in [arm.all_torque(&rows), by_columns] {
+        let [difference, size] = apart(&without, &torque);
+        assert!(difference < ROUNDING * size, "the arm, {trust:?}: {difference} of {size}");
+    }
     for effect in LIBRARY {
         let about = effect.about();
         let joint = if about.scope == Scope::Arm { 0 } else { 1 };
@@ -94,16 +118,9 @@ fn agree([real, described]: [&Robot; 2], trust: Trust) {
         }
         let added = &arm.added(std::slice::from_ref(&placed), &rows).unwrap()[0];
         let with = predicted([real, described], trust, &log, vec![placed]);
-        let (mut apart, mut size) = (0.0, 0.0);
-        for (joint, (with, without)) in with.iter().zip(&without).enumerate() {
-            for block in ENDS..with.len() - ENDS {
-                let identified = with[block] - without[block];
-                let diagnosed = added.part(joint).map_or(0.0, |column| column[block]);
-                apart += (identified - diagnosed).powi(2);
-                size += diagnosed.powi(2);
-            }
-        }
-        let (apart, size) = (f64::sqrt(apart), f64::sqrt(size));
+        let pairs = with.iter().zip(&without).map(|(with, without)| with.iter().zip(without).map(|(a, b)| a - b));
+        let difference: Vec<Vec<f64>> = pairs.map(Iterator::collect).collect();
+        let [apart, size] = apart(&difference, added);
         assert!(size > 0.0, "{} adds nothing", about.name);
         assert!(apart < ROUNDING * size, "{} {trust:?}: {apart} of {size}", about.name);
     }

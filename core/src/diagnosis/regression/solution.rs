@@ -115,7 +115,7 @@ impl Solved {
         (0..self.variances.len()).filter_map(matters).collect()
     }
 
-    /// Torque of a joint along the principal directions, by the first `columns`, on the rows that count, `[row][direction]`.
+    /// Torque of a joint along the principal directions, by the first `columns`, on the valid rows, `[row][direction]`.
     fn along(&self, columns: &[Column], joint: usize, valid: &[bool]) -> DMatrix<f64> {
         let rows: Vec<usize> = (0..valid.len()).filter(|&row| valid[row]).collect();
         let mut along = DMatrix::zeros(rows.len(), columns.len());

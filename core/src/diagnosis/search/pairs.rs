@@ -102,26 +102,23 @@ impl Pair<'_> {
         if added.iter().any(|log_p| *log_p <= session.criteria.levels.sure_p.ln()) {
             return Ok(None);
         }
-        self.accepted(pair, others, &whitener)
+        self.accepted(pair, &others, &whitener)
     }
 
-    /// Both laws, one after the other, where they pass all gates.
-    fn accepted(&self, pair: [&Judged; 2], mut others: Vec<Member>, whitener: &Whitener) -> Result<Option<[Found; 2]>> {
+    /// Both laws, where each passes all gates with the other in the model.
+    fn accepted(&self, pair: [&Judged; 2], others: &[Member], whitener: &Whitener) -> Result<Option<[Found; 2]>> {
         let session = self.session;
         let mut accepted = Vec::new();
-        for judged in pair {
-            let fit =
-                whitener.fit(&session.model.columns(&session.logs.train, &others)?, &session.logs.train.torque);
+        for (judged, other) in [(pair[0], pair[1]), (pair[1], pair[0])] {
+            let with: Vec<Member> = others.iter().cloned().chain([other.member()]).collect();
+            let fit = whitener.fit(&session.model.columns(&session.logs.train, &with)?, &session.logs.train.torque);
             let Some(judged) = session.judge(&judged.candidate, whitener, &fit) else { return Ok(None) };
-            let (members, alpha) = (&others[..], self.options.alpha);
+            let (members, alpha) = (&with[..], self.options.alpha);
             let trial =
                 Trial { session, members, whitener, fit: &fit, multiplicity: self.multiplicity, alpha, tries: None };
             let level = self.multiplicity.level(judged.candidate.family().effect, judged.test.log_p());
             match trial.of(&judged, level, None)? {
-                Outcome::Accepted(one) => {
-                    others.push(one.member.clone());
-                    accepted.push(Found::new(*one, Vec::new()));
-                }
+                Outcome::Accepted(one) => accepted.push(Found::new(*one, Vec::new())),
                 Outcome::Refused(refusal) => {
                     tracing::debug!(family = ?judged.candidate.family(), failed = ?refusal.failed, "of two linear laws one is refused");
                     return Ok(None);

@@ -92,7 +92,7 @@ pub struct Fitted {
 /// let logs = Logs { train: &[&log], test: &[&other] };
 /// let fitted = fit_effects(&Model::new(&robot), Trust::Structure, logs, Preparation::usual(&log), Vec::new())?;
 ///
-/// // Root mean square of the held-out residual of joint j1 over the rows that count.
+/// // Root mean square of the held-out residual of joint j1 over the valid rows.
 /// let rows: Vec<f64> = fitted.test.residual[0].iter().flatten().copied().collect();
 /// let rms = (rows.iter().map(|value| value * value).sum::<f64>() / rows.len() as f64).sqrt();
 /// assert!((rms / fitted.test_rms[0] - 1.0).abs() < 1e-9);

@@ -5,8 +5,8 @@ use nalgebra::{Matrix3, Vector3};
 use std::sync::LazyLock;
 use tauscope::diagnosis::{Conclusion, Diagnosis, Gate, Verdict};
 use tauscope::effects::{Placed, find};
-use tauscope::recording::{self, Recording};
 use tauscope::identification::effect_model::Trust;
+use tauscope::recording::{self, Recording};
 use tauscope::robot::{Inertia, InertiaCheck, load};
 
 static CLEAN: LazyLock<Vec<Recording>> = LazyLock::new(|| logs(&SETUP, 1, 2));
@@ -149,7 +149,9 @@ fn a_load_in_the_held_out_log_alone_is_told() {
     assert!(diagnosis.unexplained.iter().any(|left| left.joint == 1), "{:?}", diagnosis.unexplained);
     assert!(diagnosis.unexplained.iter().all(|left| left.structure == "is in the held-out logs alone"));
     // Residual against training rows, against parts of these, and what one set of parameters for all logs leaves.
-    assert!(diagnosis.unexplained.iter().all(|left| left.passed.len() == 3 && left.passed.iter().all(|one| one.passed)));
+    assert!(
+        diagnosis.unexplained.iter().all(|left| left.passed.len() == 3 && left.passed.iter().all(|one| one.passed))
+    );
     assert!(diagnosis.next_experiment.contains("one load"), "{}", diagnosis.next_experiment);
 }
 

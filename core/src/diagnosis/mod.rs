@@ -113,7 +113,8 @@ impl Options {
         let shares = self.criteria.shares_of_alpha();
         let spent: f64 = shares.iter().sum();
         if spent.is_nan() || spent > 1.0 + ROUNDING || shares.iter().any(|share| *share < 0.0) {
-            let problem = format!("spend {spent} of alpha; give shares that are not negative and whose sum is at most one");
+            let problem =
+                format!("spend {spent} of alpha; give shares that are not negative and whose sum is at most one");
             return Err(Error::request("criteria.search and criteria.structure.together", problem));
         }
         self.candidates.iter().try_for_each(|name| effects::find(name).map(|_| ()))

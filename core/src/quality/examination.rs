@@ -64,7 +64,11 @@ pub fn examine_together(logs: &[&Sieved], robot: Option<&Robot>) -> Result<Toget
         torques.push(usable);
     }
     let with_torque: Vec<usize> = (0..logs.len()).filter(|&log| torques[log].is_some()).collect();
-    let views: Vec<View> = torques.iter().flatten().map(|log| View::new(log, robot)).collect::<Result<_>>()?;
+    let mut views: Vec<View> = torques.iter().flatten().map(|log| View::new(log, robot)).collect::<Result<_>>()?;
+    for (view, robot) in views.iter_mut().zip(std::iter::repeat(robot)).filter_map(|(view, robot)| Some((view, robot?)))
+    {
+        view.late = torque::late(view, robot);
+    }
     let all: Vec<&View> = views.iter().collect();
     let descriptions::Judged { verdict, tilt } = descriptions::judge(&all, robot);
     let by_themselves =

@@ -178,6 +178,23 @@ fn dead_time_is_measured() {
     for lag in report.joints.iter().filter_map(|joint| joint.dead_time_s) {
         assert!((lag - 0.012).abs() < 0.002, "{lag}");
     }
+    assert_eq!(report.description, None);
+}
+
+/// The time that all torques come behind is taken off before descriptions are judged.
+#[test]
+fn descriptions_are_judged_on_torques_at_their_time() {
+    let robot = irb();
+    let late = |by: usize| {
+        let mut sieved = log(&robot, 250.0, 12.0);
+        for joint in 0..6 {
+            let tau = sieved.recording.tau.channel(joint).to_vec();
+            (by..tau.len()).for_each(|i| sieved.recording.tau.channel_mut(joint)[i] = tau[i - by]);
+        }
+        let view = View::new(&sieved.recording, Some(&robot)).unwrap();
+        super::torque::late(&view, &robot)
+    };
+    assert_eq!([late(0), late(1), late(3)], [0, 0, 3]);
 }
 
 #[test]

@@ -23,6 +23,8 @@ pub(super) struct View<'a> {
     pub qdd: Channels,
     /// Torques, by Savitzky-Golay.
     pub tau: Channels,
+    /// Samples by which the torques come behind the motion, as far as that is known: descriptions are judged without that time.
+    pub late: isize,
     /// Speed above which each joint surely moves, rad/s or m/s; none reaches it where the joint hardly moves at all.
     pub band: Vec<f64>,
 }
@@ -55,7 +57,8 @@ impl<'a> View<'a> {
                 false => f64::INFINITY,
             }
         });
-        Ok(View { log, period, band: band.collect(), q, qd, qdd: smooth(&log.q, 2)?, tau: smooth(&log.tau, 0)? })
+        let [qdd, tau] = [smooth(&log.q, 2)?, smooth(&log.tau, 0)?];
+        Ok(View { log, period, late: 0, band: band.collect(), q, qd, qdd, tau })
     }
 
     /// Number of joints.

@@ -23,6 +23,8 @@ pub enum Gate {
     Rounding,
     /// Torque is flat where the model exceeds the saturation limit: slope of the measured torque over the model's.
     Flat,
+    /// The torque stays within the saturation limit: the largest one, less the noise of its sensor, over the limit.
+    Exceeded,
     /// Its p-value without the most influential blocks.
     Influence,
     /// It turns the sign of no earlier finding that has one sign only: number of those.
@@ -102,6 +104,7 @@ impl Gate {
             Gate::AtBound => "fits best at a bound of its parameters, where it is another law",
             Gate::Rounding => "is no likelier than friction whose sign is rounded",
             Gate::Flat => "is not flat where the model exceeds the limit",
+            Gate::Exceeded => "is exceeded by the measured torque",
             Gate::Influence => "depends on two influential blocks",
             Gate::EarlierSigns => "gives an earlier finding a sign that it cannot have",
             Gate::EarlierParameters => "leaves parameters of an earlier finding undetermined",

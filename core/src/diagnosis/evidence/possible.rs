@@ -44,7 +44,8 @@ impl Session<'_> {
             let either_way = change && role == Role::Amplitude;
             let passed = value + far * std >= lower && value - far * std <= upper;
             let beyond = ((lower - value) / std).max((value - upper) / std);
-            (!either_way && !passed).then_some(Judgement { passed, ..Judgement::at_most(Gate::WithinBounds, beyond, far) })
+            (!either_way && !passed)
+                .then_some(Judgement { passed, ..Judgement::at_most(Gate::WithinBounds, beyond, far) })
         });
         judgements.max_by(|a, b| a.value.total_cmp(&b.value))
     }

@@ -58,8 +58,8 @@ fn preparation() -> Preparation {
 /// Torque that `identify` predicts with some effects, `[joint][time]`, by an arm that is described as `described` and identified as `real`.
 fn predicted([real, described]: [&Robot; 2], trust: Trust, log: &Recording, placed: Vec<Placed>) -> Vec<Vec<f64>> {
     let [true_model, model] = [real, described].map(Model::new);
-    let [true_model, mut model] =
-        [&true_model, &model].map(|model| EffectModel::new(model, trust, &[log], preparation(), placed.clone()).unwrap());
+    let [true_model, mut model] = [&true_model, &model]
+        .map(|model| EffectModel::new(model, trust, &[log], preparation(), placed.clone()).unwrap());
     model.set_baseline(true_model.baseline());
     let bodies = model.found_arm();
     let model = model.with_bodies(bodies);
@@ -102,7 +102,8 @@ fn agree([real, described]: [&Robot; 2], trust: Trust) {
         arm.take(&model, &model.base().values(&Model::standard_values(real)));
     }
     let without = predicted([real, described], trust, &log, Vec::new());
-    let values = EffectModel::new(&Model::new(real), trust, &[&log], preparation(), Vec::new()).unwrap().baseline().to_vec();
+    let values =
+        EffectModel::new(&Model::new(real), trust, &[&log], preparation(), Vec::new()).unwrap().baseline().to_vec();
     let mut by_columns = combined(&arm.baseline(&Model::new(described), &rows), &values);
     by_columns.add(1.0, &arm.described_torque(&rows));
     for torque in [arm.all_torque(&rows), by_columns] {

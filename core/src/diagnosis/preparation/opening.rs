@@ -5,9 +5,10 @@ use super::feedback::feedback;
 use super::filters::{Preparation, Prepared};
 use super::smoothing;
 use crate::diagnosis::criteria::Criteria;
+use crate::diagnosis::evidence::Gains;
 use crate::diagnosis::model::{ArmModel, DataSet, Fit, Known, PreparedLogs, Session};
 use crate::diagnosis::noise::Whitener;
-use crate::diagnosis::regression::Column;
+use crate::diagnosis::regression::{Column, combined, solve};
 use crate::error::Result;
 use crate::identification::effect_model::Trust;
 use crate::identification::model::Model;
@@ -72,6 +73,8 @@ impl<'a> Session<'a> {
         {
             tracing::debug!(?likeliest, ?own, "cut-offs of the joints");
             (session.logs.train, session.logs.test, session.logs.cutoffs_hz) = (train, test, own);
+            session.model.arm = session.model.known.arm.clone();
+            noise = session.settle_baseline()?;
         }
         let noise_from = smoothing::noise_from_hz(&session.logs.train.rows)?;
         let from: Vec<f64> =
@@ -81,7 +84,7 @@ impl<'a> Session<'a> {
         for set in [&mut session.logs.train, &mut session.logs.test] {
             set.bands = smoothing::bands(&session.model.arm, &set.rows, &from, &up_to)?;
         }
-        session.free_noise_of_encoders(seen_hz)?;
+        session.free_noise_of_encoders(seen_hz, &noise)?;
         session.model.arm = session.model.known.arm.clone();
         noise = session.settle_baseline()?;
         let noisy = smoothing::noisy_once_moved(
@@ -100,14 +103,34 @@ impl<'a> Session<'a> {
 
     /// Frees what the motion of each joint in its band does to the torque, by one factor: as far as that is noise of the encoder, columns of
     /// accelerations that hold it attenuate every estimate (errors in variables; Fuller, Measurement Error Models, 1987). What its controller
-    /// makes of that noise is free, too.
-    fn free_noise_of_encoders(&mut self, seen_hz: f64) -> Result<()> {
+    /// makes of that noise is free, too. Noise of an encoder does the same in all logs: what the training logs estimate and the held-out
+    /// logs contradict is not it (`fit` is that without these columns), and is not free.
+    fn free_noise_of_encoders(&mut self, seen_hz: f64, fit: &Fit) -> Result<()> {
         let dof = self.model.base.dof();
         let of_joints = |data: &DataSet| -> Result<Vec<Column>> {
             let sum = |on_each: &[Column]| Column::of(on_each.iter().flat_map(|column| column.parts.clone()).collect());
             Ok(data.bands.chunks(dof).map(sum).chain(feedback(&data.rows, seen_hz)?).collect())
         };
-        let columns = [of_joints(&self.logs.train)?, of_joints(&self.logs.test)?];
+        let mut columns = [of_joints(&self.logs.train)?, of_joints(&self.logs.test)?];
+        let bands = self.logs.train.bands.len() / dof;
+        let of_joint =
+            |joint: usize| (joint < bands).then_some(joint).into_iter().chain(bands + 2 * joint..bands + 2 * joint + 2);
+        let held_out = self.baseline_residual_on(&self.logs.test, &fit.whitener)?;
+        let on_held_out = fit.whitener.on(&self.logs.test.rows);
+        let contradicted = |joint: usize| {
+            let own = |all: &[Column]| of_joint(joint).map(|place| all[place].only(&[joint])).collect::<Vec<Column>>();
+            let [train, test] = [own(&columns[0]), own(&columns[1])];
+            let free = fit.projection.left_of(fit.whitener.apply_all(&train));
+            let mut after = held_out.only(&[joint]);
+            after.add(-1.0, &combined(&test, &solve(&free, &fit.projection.residual.only(&[joint])).values));
+            let gains = Gains::new(&on_held_out, &held_out, &after, &[joint], self.logs.test.rows.len());
+            tracing::debug!(joint, growth_p = gains.growth_p(), "held-out growth by noise of encoders");
+            gains.growth_p() < self.criteria.levels.strict_p
+        };
+        let contradicted: Vec<usize> = (0..dof).filter(|joint| contradicted(*joint)).collect();
+        for place in contradicted.into_iter().flat_map(of_joint) {
+            columns.iter_mut().for_each(|columns| columns[place] = Column::default());
+        }
         let place = self.blocks(&[]).known.start;
         let logs = self.logs.clone().with(place, &columns);
         self.logs = PreparedLogs { bands: place..place + columns[0].len(), ..logs };

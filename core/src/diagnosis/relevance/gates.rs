@@ -3,7 +3,7 @@
 use super::fit::HeldFit;
 use crate::diagnosis::criteria::{Criteria, Gate, Judgement};
 use crate::diagnosis::evidence::Gains;
-use crate::diagnosis::model::{Member, Session, is_level};
+use crate::diagnosis::model::{Member, Session, is_level, sampling_makes};
 use crate::diagnosis::noise::Whitener;
 use crate::diagnosis::regression::{Column, rms};
 use crate::diagnosis::variance::{gain_over_generic_functions, torques};
@@ -89,10 +89,19 @@ impl<'a> Judge<'a> {
         Ok(Judge { session, members, fit, on_held_out, least, noise, baseline, all_logs, all_columns, torques, beyond })
     }
 
-    /// Judges every member at `kept` but those that are held, which do not rest on residuals.
+    /// Whether a member stays whatever the gates say: one that is held does not rest on residuals, and what the sampling makes is reported
+    /// as no finding, and would be structure without it.
+    fn stays(&self, member: usize) -> bool {
+        let Session { logs, criteria, .. } = self.session;
+        let sample_s = logs.train.rows.logs.first().map_or(0.0, |log| log.period);
+        let Member { held, placed, .. } = &self.members[member];
+        *held || sampling_makes(placed, sample_s, criteria.verdict.sampling_s)
+    }
+
+    /// Judges every member at `kept` but those that stay in any case.
     pub(super) fn of(&self, kept: &[usize]) -> Vec<Judged> {
         let with = self.fit.residuals(kept);
-        let judged = (0..kept.len()).into_par_iter().filter(|&index| !self.members[kept[index]].held);
+        let judged = (0..kept.len()).into_par_iter().filter(|&index| !self.stays(kept[index]));
         judged.map(|index| self.judged(kept, index, &with)).collect()
     }
 
@@ -184,7 +193,7 @@ impl<'a> Judge<'a> {
             others.remove(*index);
             rms(&self.session.logs.test.rows.valid, &self.fit.residuals(&others)[1])[joint]
         };
-        let removable = (0..kept.len()).filter(|&index| !self.members[kept[index]].held);
+        let removable = (0..kept.len()).filter(|&index| !self.stays(kept[index]));
         let removable: Vec<(usize, f64)> = removable.map(|index| (index, left(&index))).collect();
         removable.into_iter().min_by(|a, b| a.1.total_cmp(&b.1)).map(|(index, _)| index)
     }

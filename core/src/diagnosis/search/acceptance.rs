@@ -124,6 +124,15 @@ impl Trial<'_> {
         })
     }
 
+    /// Whether the torque of a joint stays within a saturation limit, to a share that matters and the noise of its sensor.
+    fn exceeded(&self, joint: usize, limit: f64) -> Judgement {
+        let Session { logs, criteria, .. } = self.session;
+        let rows = &logs.train.rows;
+        let largest = rows.torque[joint].iter().fold(0.0f64, |most, torque| most.max(torque.abs()));
+        let noise = criteria.levels.far * rows.sensor_noise(joint, 1);
+        Judgement::at_most(Gate::Exceeded, (largest - noise) / limit, 1.0 + criteria.share_of_torque)
+    }
+
     /// Evidence of the logs identified from for the winner, or why it is refused by them alone.
     fn seen(&self, winner: &Judged, level: f64) -> Result<std::result::Result<Seen, Refusal>> {
         let Placed { effect, joint, parameters } = &winner.candidate.placed;
@@ -170,8 +179,8 @@ impl Trial<'_> {
             let slope = slope_beyond(&self.session.model.arm, &self.session.logs.train.rows, *joint, parameters[0]);
             tracing::debug!(slope, level = parameters[0], "torque beyond a level");
             let flat = Judgement::below(Gate::Flat, slope, self.session.criteria.levels.most);
-            if !flat.passed {
-                return refused(flat, false);
+            if let Some(failed) = Judgement::first_failed([flat, self.exceeded(*joint, parameters[0])]) {
+                return refused(failed, false);
             }
             f64::NEG_INFINITY
         } else {

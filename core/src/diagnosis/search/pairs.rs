@@ -78,7 +78,8 @@ impl Pair<'_> {
             fit.test(&columns).map_or(0.0, |test| test.statistic)
         };
         let most: usize = old.iter().map(parameters).sum();
-        let known = |candidate: &Candidate| self.found.iter().any(|f| f.member.candidate.family() == candidate.family());
+        let known =
+            |candidate: &Candidate| self.found.iter().any(|f| f.member.candidate.family() == candidate.family());
         let is_linear = |candidate: &&Candidate| {
             candidate.log.is_none()
                 && candidate.joints() == [joint]
@@ -87,9 +88,8 @@ impl Pair<'_> {
         };
         let linear: Vec<Judged> = everywhere.iter().filter(is_linear).filter_map(|one| judged(one, &fit)).collect();
         let pairs = linear.iter().enumerate().flat_map(|(k, a)| linear[k + 1..].iter().map(move |b| [a, b]));
-        let pairs = pairs.filter(|[a, b]| {
-            a.candidate.family() != b.candidate.family() && parameters(a) + parameters(b) < most
-        });
+        let pairs =
+            pairs.filter(|[a, b]| a.candidate.family() != b.candidate.family() && parameters(a) + parameters(b) < most);
         let pairs = pairs.map(|pair| (explained(pair), pair));
         let Some((statistic, pair)) = pairs.max_by(|(a, _), (b, _)| a.total_cmp(b)) else { return Ok(None) };
         if statistic <= session.criteria.comparison.close * explained([&old[0], &old[1]]) {

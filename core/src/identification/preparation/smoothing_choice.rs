@@ -183,11 +183,9 @@ pub fn described(smoothing: Smoothing, rate_hz: f64) -> Result<Option<Described>
             torque_cutoff_hz: cutoff_hz,
             decimation,
         }),
-        Smoothing::BlockMeans { cutoff_hz, block } => Some(Described::BlockMeans {
-            order: low_passed::ORDER,
-            position_cutoff_hz: cutoff_hz,
-            block,
-        }),
+        Smoothing::BlockMeans { cutoff_hz, block } => {
+            Some(Described::BlockMeans { order: low_passed::ORDER, position_cutoff_hz: cutoff_hz, block })
+        }
     })
 }
 

@@ -108,6 +108,11 @@ impl Comparison {
             && self.least_of_logs > -of_rms(GROWS)
     }
 
+    /// Number of torques whose residual falls clearly.
+    pub(super) fn gaining(&self) -> usize {
+        self.channels.iter().flatten().filter(|gain| **gain > 2.0 * FALLS.ln()).count()
+    }
+
     /// Whether the residual of a torque of which the reference leaves more than a share falls much.
     pub(super) fn is_large_beyond(&self, share: f64) -> bool {
         let each = self.channels.iter().zip(&self.before);

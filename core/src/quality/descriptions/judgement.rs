@@ -158,7 +158,7 @@ fn changed(views: &[&View], robot: Option<&Robot>, tilt: &mut Option<Vector3<f64
             let outcome = search(known, &rows, &with_motion, first.description.clone())?;
             let found = outcome.found.as_ref()?;
             let of_described = std::ptr::eq(known.physics, bodies);
-            let is_sure = !of_described || are_of_bodies(&free, &rows, &start, &found.best);
+            let is_sure = !of_described || are_of_bodies((robot, bodies, &free), &rows, &start, &found.best);
             is_sure.then(|| judged(known, Some(bodies), outcome))?
         });
         match more {
@@ -178,7 +178,7 @@ fn changed(views: &[&View], robot: Option<&Robot>, tilt: &mut Option<Vector3<f64
         let known = Known { physics: bodies, other: Some(&free) };
         let outcome = search(known, &rows, &with_motion, start.clone())?;
         *tilt = tilt.or(outcome.tilt);
-        let trusted = |found: &Found| are_of_bodies(&free, &rows, &start, &found.best);
+        let trusted = |found: &Found| are_of_bodies((robot, bodies, &free), &rows, &start, &found.best);
         if outcome.found.as_ref().is_some_and(trusted) {
             return judged(known, Some(bodies), outcome);
         }

@@ -128,8 +128,8 @@ impl Lags {
         Some(Finding::new(Kind::DeadTime, Severity::Note, format!("tau{}", joint + 1), text))
     }
 
-    /// A dead time that the joints agree on.
-    fn of_all(&self, view: &View) -> Option<Finding> {
+    /// The dead time that the joints agree on, s: positive where the torque comes behind the motion.
+    pub(super) fn in_common(&self, view: &View) -> Option<f64> {
         let lags = &self.0;
         let costly = lags.iter().filter(|(_, lag)| lag.cost > COSTS).count();
         if lags.len() * 2 < view.dof() || costly * 2 < lags.len() {
@@ -139,15 +139,19 @@ impl Lags {
         lags.sort_by(f64::total_cmp);
         let median = lags[lags.len() / 2];
         let agree = lags.iter().filter(|lag| (*lag - median).abs() < 0.3 * median.abs() + view.period).count();
-        if median.abs() < SHORTEST_S.max(1.5 * view.period) || agree * 3 < lags.len() * 2 {
-            return None;
-        }
+        let is_common = median.abs() >= SHORTEST_S.max(1.5 * view.period) && agree * 3 >= lags.len() * 2;
+        is_common.then_some(median)
+    }
+
+    /// The finding on it.
+    fn of_all(&self, view: &View) -> Option<Finding> {
+        let median = self.in_common(view)?;
         let text = format!(
             "the torque {} the motion by {:.1} ms (median of {} joints): the signals are not taken at the same time, or one \
              is filtered; shift or filter the other",
             if median > 0.0 { "comes behind" } else { "comes ahead of" },
             1e3 * median.abs(),
-            lags.len()
+            self.0.len()
         );
         Some(Finding::new(Kind::DeadTime, Severity::Warning, "tau", text))
     }

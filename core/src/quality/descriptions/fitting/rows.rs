@@ -70,7 +70,7 @@ impl Rows {
         let (mut block, mut log) = (Vec::new(), Vec::new());
         for (place, view) in views.iter().enumerate() {
             let samples = view.log.samples();
-            let edge = ((EDGE_S / view.period).round() as usize).min(samples / 4);
+            let edge = ((EDGE_S / view.period).round() as usize).max(view.late.unsigned_abs()).min(samples / 4);
             let step = ((spacing / view.period).round() as usize).max(1);
             let usable = usable(view, &mut spoilt);
             let own: Vec<usize> = (edge..samples - edge).step_by(step).filter(|&sample| usable[sample]).collect();
@@ -88,7 +88,14 @@ impl Rows {
             qd: pick(views.iter().map(|view| &view.qd).collect()),
             qdd: pick(views.iter().map(|view| &view.qdd).collect()),
         };
-        let tau = pick(views.iter().map(|view| &view.tau).collect());
+        let torque = |joint: usize| -> Vec<f64> {
+            let at = |&(place, row): &(usize, usize)| {
+                let sample = row.saturating_add_signed(views[place].late).min(views[place].log.samples() - 1);
+                views[place].tau.channel(joint)[sample]
+            };
+            picked.iter().map(at).collect()
+        };
+        let tau = Channels::from_vectors(&(0..dof).map(torque).collect::<Vec<Vec<f64>>>());
         let kind = |joint: usize| robot.map(|robot| robot.joints[joint].kind);
         let moves = (0..dof).map(|joint| moves(motion.q.channel(joint), motion.qd.channel(joint), kind(joint)));
         let measured = |tau: &[f64]| tau.iter().all(|v| v.is_finite()) && tau.iter().any(|v| *v != tau[0]);

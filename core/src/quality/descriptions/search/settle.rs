@@ -9,6 +9,7 @@ use crate::quality::descriptions::shares::{ALIKE, WRONG_MASSES};
 use crate::quality::descriptions::sizes::{tilt, zeros};
 use crate::quality::descriptions::tried::Tried;
 use crate::quality::descriptions::weights;
+use crate::robot::Robot;
 
 /// Described bodies are those of the torques where they leave no more than so many times what free ones do: centres of mass that are off by
 /// centimetres turn the weight of a link as zeros do, and zeros of two axes make up for a part of any wrong bodies. Under bodies that are
@@ -88,19 +89,30 @@ fn with_directions(physics: &Physics, rows: &Rows, mut found: Found) -> Found {
 }
 
 /// Whether zeros that described bodies show, if there are any, are those of bodies that are described rightly: with them these leave about
-/// as much of the torques as free ones do. `found` is what was found under the described bodies.
+/// as much of the torques as free ones do, and more torques gain than there are zeros, of those that feel gravity. A centre of mass that is
+/// off turns the weight on one joint as its zero does, and a zero turns that on others too. `found` is what was found under the described
+/// `bodies` of `robot`.
 pub(in crate::quality::descriptions) fn are_of_bodies(
-    free: &Physics,
+    (robot, bodies, free): (&Robot, &Physics, &Physics),
     rows: &Rows,
     start: &Description,
     found: &Tried,
 ) -> bool {
-    let has_zero = found.description.changes.iter().any(|change| matches!(change, Change::ZeroOffset(..)));
+    let zeros = found.description.changes.iter().filter(|change| matches!(change, Change::ZeroOffset(..))).count();
+    if zeros == 0 {
+        return true;
+    }
+    let feel = (0..robot.dof()).filter(|&joint| rows.measured[joint] && robot.feels_gravity(joint)).count();
+    let before = Tried::new(bodies, rows, start.clone());
+    let gain = before.and_then(|before| compare(&before.evaluation, &found.evaluation, &rows.log));
+    if gain.is_none_or(|gain| gain.gaining() < feel.min(zeros + 1)) {
+        return false;
+    }
     let by_free = |description: &Description| {
         Tried::new(free, rows, description.clone()).map_or(f64::INFINITY, |tried| tried.share())
     };
     // Free ones as they were given, too: what these explain worse is no zero.
-    !has_zero || found.share() <= LIKE_FREE * by_free(start).min(by_free(&found.description))
+    found.share() <= LIKE_FREE * by_free(start).min(by_free(&found.description))
 }
 
 /// The same with one more zero, where the described bodies explain the torques by that and not without it, and free ones no worse: of axes

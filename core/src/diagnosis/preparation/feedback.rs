@@ -11,6 +11,9 @@ use crate::diagnosis::regression::Column;
 use crate::error::Result;
 use rayon::prelude::*;
 
+/// Columns of each joint.
+pub(super) const FEEDBACK: usize = 2;
+
 /// For every joint what its encoder reads above the frequency from which the position is mostly noise, rad or m, and its rate, over
 /// the rows: two columns a joint, which are empty where that frequency is above `seen_hz`, since the torque does not show it.
 ///

@@ -1,7 +1,7 @@
 //! How a session is opened: the low-passes that serve the logs, how sharply friction turns, and rows that are not to be used.
 
 use super::coulomb_width::{self, Likeliest};
-use super::feedback::feedback;
+use super::feedback::{FEEDBACK, feedback};
 use super::filters::{Preparation, Prepared};
 use super::smoothing;
 use crate::diagnosis::criteria::Criteria;
@@ -112,9 +112,8 @@ impl<'a> Session<'a> {
             Ok(data.bands.chunks(dof).map(sum).chain(feedback(&data.rows, seen_hz)?).collect())
         };
         let mut columns = [of_joints(&self.logs.train)?, of_joints(&self.logs.test)?];
-        let bands = self.logs.train.bands.len() / dof;
-        let of_joint =
-            |joint: usize| (joint < bands).then_some(joint).into_iter().chain(bands + 2 * joint..bands + 2 * joint + 2);
+        let bands = columns[0].len() - FEEDBACK * dof;
+        let of_joint = |joint: usize| bands + FEEDBACK * joint..bands + FEEDBACK * (joint + 1);
         let held_out = self.baseline_residual_on(&self.logs.test, &fit.whitener)?;
         let on_held_out = fit.whitener.on(&self.logs.test.rows);
         let contradicted = |joint: usize| {
@@ -124,7 +123,7 @@ impl<'a> Session<'a> {
             let mut after = held_out.only(&[joint]);
             after.add(-1.0, &combined(&test, &solve(&free, &fit.projection.residual.only(&[joint])).values));
             let gains = Gains::new(&on_held_out, &held_out, &after, &[joint], self.logs.test.rows.len());
-            tracing::debug!(joint, growth_p = gains.growth_p(), "held-out growth by noise of encoders");
+            tracing::debug!(joint, growth_p = gains.growth_p(), "held-out growth by what controllers make of noise");
             gains.growth_p() < self.criteria.levels.strict_p
         };
         let contradicted: Vec<usize> = (0..dof).filter(|joint| contradicted(*joint)).collect();

@@ -159,7 +159,7 @@ pub(crate) fn result<'a>(path: &Path, robot: Option<&'a Robot>, report: &'a Repo
         rate_hz: report.clock.rate_hz,
         jitter_s: report.clock.jitter_s,
         longest_step_s: report.clock.longest_step_s,
-        gaps: report.clock.gaps.len(),
+        gaps: report.gaps,
         condition_number: report.condition_number,
         joints: &report.joints,
         findings: &report.findings,
@@ -207,7 +207,7 @@ fn text(path: &Path, robot: Option<&Robot>, report: &Report, own: &[&Finding]) -
         report.duration_s,
         significant(report.clock.rate_hz),
         significant(1e3 * report.clock.jitter_s),
-        report.clock.gaps.len(),
+        report.gaps,
         report.rejected.len(),
     );
     if let (Some(robot), Some(condition)) = (robot, report.condition_number) {

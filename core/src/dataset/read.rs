@@ -42,7 +42,12 @@ impl Dataset {
         columns.time_factor = units.time.map(TimeUnit::factor);
         columns.known_units =
             [units.position.is_some(), units.velocity.is_some(), units.acceleration.is_some(), units.torque.is_some()];
+        columns.torque_constants = self.spec.motors.torque_constant_nm_a.is_some();
+        columns.motors = motors(robot);
         let mut sieved = lenient::load_together(files, Some(order), &columns)?;
+        if self.spec.motors.gear_ratio.is_none() && self.spec.motors.torque_constant_nm_a.is_none() {
+            sieved.corrections.extend(gears(&sieved, robot));
+        }
         self.convert(&mut sieved)?;
         select(&mut sieved, order, &robot.joint_names());
         self.exchange(&mut sieved.recording)?;
@@ -84,9 +89,31 @@ impl Dataset {
 /// # Errors
 /// Those of [`lenient::load`].
 pub fn read(path: &Path, robot: &Robot) -> Result<Sieved> {
-    let mut sieved = lenient::load(path, Some(&robot.columns), &ColumnMap::default())?;
+    let map = ColumnMap { motors: motors(robot), ..ColumnMap::default() };
+    let mut sieved = lenient::load(path, Some(&robot.columns), &map)?;
+    sieved.corrections.extend(gears(&sieved, robot));
     select(&mut sieved, &robot.columns, &robot.joint_names());
     Ok(sieved)
+}
+
+/// Names of the motors in the robot's file, each with its joint.
+fn motors(robot: &Robot) -> Vec<(String, String)> {
+    robot.actuators.iter().map(|motor| (motor.name.clone(), motor.joint.clone())).collect()
+}
+
+/// What is said of torques that are called for motors behind which the robot's file has gears. MuJoCo's forces of actuators are those
+/// before the gear, those of other recorders may be behind it: the name does not decide it.
+fn gears(sieved: &Sieved, robot: &Robot) -> Option<String> {
+    let gear =
+        |joint: &String| robot.actuators.iter().find(|motor| motor.joint == *joint).map_or(1.0, |motor| motor.gear);
+    let gears: Vec<f64> = robot.columns.iter().map(gear).collect();
+    let has_gears = sieved.of_motors && gears.iter().any(|gear| *gear != 1.0);
+    has_gears.then(|| {
+        format!(
+            "these motors have gears in the robot's file: forces before them, as MuJoCo's actuator_force, become torques of the joints by \
+             [motors] torque_at = \"motor\", gear_ratio = {gears:?} in a dataset"
+        )
+    })
 }
 
 /// Reads logs without a description and leaves them as they are otherwise, each with its file.

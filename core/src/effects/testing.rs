@@ -24,8 +24,10 @@ pub(super) fn pendulum() -> Robot {
         flange: Pose { rotation: nalgebra::Matrix3::identity(), translation: Vector3::x() },
         tree: None,
         columns: vec!["joint_1".to_owned()],
+        actuators: Vec::new(),
         held: Vec::new(),
         assumed: Vec::new(),
+        guessed: Vec::new(),
         notes: Vec::new(),
     }
 }

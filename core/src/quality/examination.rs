@@ -162,7 +162,7 @@ fn examine_alone(sieved: &Sieved, robot: Option<&Robot>) -> Result<(Report, Opti
         let longest = resample::longest_stretch(recording).map(|rows| resample::evenly(&recording.slice(rows)));
         let of_units = longest.as_ref().unwrap_or(&even);
         let position_units = match rates::gear_ratio(of_units, &position_units, robot)? {
-            Some(ratio) => position_units.before_gears(ratio),
+            Some(gears) => position_units.before_gears(gears),
             None => position_units,
         };
         units = rates::found(of_units, &position_units, robot)?;
@@ -183,7 +183,9 @@ fn examine_alone(sieved: &Sieved, robot: Option<&Robot>) -> Result<(Report, Opti
         };
         let of_longest = longest.as_ref().map(|log| View::new(log, robot)).transpose()?;
         let view = of_longest.as_ref().unwrap_or(&whole);
-        let mut shown_clock = velocity::Clock::of(view, robot);
+        // Positions in an unknown unit are in no known proportion to velocities, whatever the clock.
+        let counts = (0..view.dof()).any(|joint| position_units.is_unknown(joint));
+        let mut shown_clock = if counts { velocity::Clock::Right } else { velocity::Clock::of(view, robot) };
         if let (velocity::Clock::Wrong(factor), Some(robot)) = (shown_clock, robot)
             && descriptions::torques_deny_clock(view.log, robot, factor)?
         {
@@ -260,6 +262,7 @@ fn examine_alone(sieved: &Sieved, robot: Option<&Robot>) -> Result<(Report, Opti
         rows: recording.samples(),
         rejected: sieved.rejected.clone(),
         duration_s: recording.duration(),
+        gaps: clock::lost(sieved, &clock).len(),
         clock,
         joints: summaries,
         condition_number,

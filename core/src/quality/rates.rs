@@ -43,11 +43,15 @@ pub(super) fn found(log: &Recording, positions: &PositionUnits, robot: Option<&R
     Ok(units.or_none())
 }
 
-/// The ratio of the gears before which all joints that turn are logged, where none of them is in rad.
+/// The gears before which all joints that turn are logged, where none of them is in rad.
 ///
 /// # Errors
 /// Those of the filters.
-pub(super) fn gear_ratio(log: &Recording, positions: &PositionUnits, robot: Option<&Robot>) -> Result<Option<f64>> {
+pub(super) fn gear_ratio(
+    log: &Recording,
+    positions: &PositionUnits,
+    robot: Option<&Robot>,
+) -> Result<Option<descriptions::Gears>> {
     match robot.filter(|_| positions.all_turned_doubt()) {
         Some(robot) => descriptions::gear_ratio(log, robot, &positions.units()),
         None => Ok(None),

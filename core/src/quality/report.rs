@@ -31,6 +31,8 @@ pub struct Report {
     pub duration_s: f64,
     /// Rate and jitter.
     pub clock: Clock,
+    /// Gaps in which rows were lost, and those that are too long to be bridged.
+    pub gaps: usize,
     /// Range, speed and torque of every joint.
     pub joints: Vec<JointSummary>,
     /// Condition number of the base parameters' regressor with columns of equal length; with a URDF only.

@@ -477,3 +477,17 @@ fn clock_faults() {
     assert!(report.findings.iter().any(|finding| finding.kind == Kind::Jitter), "{:?}", report.findings);
     assert!((report.clock.jitter_s / (0.0004 * 2f64.sqrt()) - 1.0).abs() < 0.1, "{}", report.clock.jitter_s);
 }
+
+/// Counts of an encoder, and velocities in a unit of their own: they are in no proportion that a clock explains.
+#[test]
+fn counts_show_no_clock() {
+    let robot = irb();
+    let mut sieved = log(&robot, 250.0, 12.0);
+    let recording = &mut sieved.recording;
+    recording.q.as_mut_slice().iter_mut().for_each(|q| *q = (2048.0 + *q * 4096.0 / std::f64::consts::TAU).round());
+    let qd = recording.qd.as_mut().unwrap();
+    qd.as_mut_slice().iter_mut().for_each(|v| *v = (*v * 30.0 / std::f64::consts::PI / 0.229).round());
+    let report = examine(&sieved, Some(&robot)).unwrap();
+    let kinds: Vec<Kind> = report.findings.iter().map(|finding| finding.kind).collect();
+    assert_eq!((kinds, report.units.is_none()), (vec![Kind::PositionUnit], true), "{:?}", report.findings);
+}

@@ -142,8 +142,14 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     let has = |test: fn(&DataFault) -> bool| answer.faults.iter().any(test);
     let is_another = has(|fault| fault.kind == quality::Kind::OtherRobot)
         && !has(|fault| fault.consequence == Consequence::Corrected);
-    let description = answer.description.as_ref().filter(|_| !is_another).map(|verdict| &verdict.description);
-    corrected::write(&folder, dataset.as_ref(), &named, &answer.robot, description, answer.units.clone())?;
+    let description = answer.description.as_ref().filter(|_| !is_another);
+    match description.filter(|verdict| verdict.leaves_much()) {
+        Some(open) => corrected::refused(open),
+        None => {
+            let description = description.map(|verdict| &verdict.description);
+            corrected::write(&folder, dataset.as_ref(), &named, &answer.robot, description, answer.units.clone())?;
+        }
+    }
     folder.write_json("diagnosis.json", DIAGNOSIS_SCHEMA, &answer)?;
     let text = match answer.conclusion() {
         Some(conclusion) => {

@@ -124,6 +124,10 @@ fn correct(
     if (verdict.is_none() && units.is_none()) || is_another {
         return Ok(None);
     }
+    if let Some(open) = verdict.filter(|verdict| verdict.leaves_much()) {
+        corrected::refused(open);
+        return Ok(None);
+    }
     let description = verdict.map(|verdict| &verdict.description);
     let name = named.train[0].file_stem().map_or("log".into(), |stem| stem.to_string_lossy());
     let folder = ResultFolder::create(global.folder(&format!("inspect_{name}")))?;

@@ -4,7 +4,7 @@ use crate::dataset::{Dataset, Named, corrected};
 use crate::error::Result;
 use crate::output::ResultFolder;
 use crate::quality::UnitChanges;
-use crate::quality::descriptions::Description;
+use crate::quality::descriptions::{Description, Verdict};
 use crate::robot::Robot;
 
 /// Its name in the folder of results.
@@ -42,4 +42,12 @@ pub(crate) fn write(
     let named = &Named { robot: named.robot.clone().or_else(source), ..named.clone() };
     folder.write_text(FILE, &corrected(dataset, named, robot, description, units)?)?;
     Ok(true)
+}
+
+/// Reports that a verdict leaves too much of the torques to be written.
+pub(crate) fn refused(verdict: &Verdict) {
+    tracing::warn!(
+        "{FILE} is not written: {:.0} % of the torque would stay unexplained with it, so that another cause is not excluded",
+        100.0 * verdict.after
+    );
 }

@@ -61,6 +61,7 @@ pub(crate) fn lines(
         };
         let open = if finding.size_told { String::new() } else { format!(" Note: {NOT_SIZED}.") };
         lines.push(format!("  {verb} {change} ({EXTENDED_SCENARIO} has it). {}{open}", finding.explanation));
+        lines.extend(of_guessed(robot, found.member.candidate.family()));
     }
     lines.extend(diagnosis.load.iter().flat_map(payload::weighed));
     lines.extend(smaller(robot, diagnosis));
@@ -211,6 +212,23 @@ fn missed(robot: &Robot, diagnosis: &Diagnosis, found: &Found) -> String {
         effort(&robot.joints[joint], after[joint]),
         effort(&robot.joints[joint], diagnosis.errors.noise_floor[joint])
     )
+}
+
+/// What is said of a load or a link that holds joints at positions which nobody gave: another position has the mass elsewhere.
+fn of_guessed(robot: &Robot, family: Family) -> Option<String> {
+    if !["payload", "link_inertia_error"].contains(&family.effect) {
+        return None;
+    }
+    let on = joints(robot, family);
+    let carried = robot.guessed.iter().filter(|(_, carrier)| on.is_empty() || on.contains(&carrier));
+    let held: Vec<String> = carried.map(|(held, _)| held.clone()).collect();
+    let first = held.first()?;
+    let (those, stand) = if held.len() == 1 { ("its position", "stands") } else { ("their positions", "stand") };
+    Some(format!(
+        "  {} {stand} on it, and {those} was assumed: the same mass at another position is the other cause. Log it, or give it in a dataset \
+         ([hold] {first} = ..).",
+        held.join(", ")
+    ))
 }
 
 /// "and 3 smaller effects, together 0.3 N m on joint_2 at most: diagnosis.json lists them"
@@ -409,5 +427,25 @@ mod tests {
             "{said}"
         );
         assert_eq!(said.lines().count(), 1);
+    }
+
+    #[test]
+    fn joints_held_at_assumed_positions_are_named_with_the_link_that_carries_them() {
+        let tree = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/reference/trees/two_finger.urdf");
+        let arm = crate::robot::description::read(tree.as_ref()).unwrap();
+        let joints = arm.moving().iter().filter(|joint| !joint.name.contains("finger")).map(|joint| joint.name.clone());
+        let joints: Vec<String> = joints.collect();
+        let last = joints.len() - 1;
+        let mut choice = crate::robot::Choice { joints: Some(joints), ..Default::default() };
+        let robot = |choice: &crate::robot::Choice| arm.robot(choice, crate::robot::InertiaCheck::Ignored).unwrap();
+        let of = |robot: &Robot, effect, joint| of_guessed(robot, Family { effect, joint });
+        let guessed = robot(&choice);
+        let said = of(&guessed, "link_inertia_error", last).unwrap();
+        assert!(said.contains("finger_left_joint") && said.contains("[hold]"), "{said}");
+        assert!(of(&guessed, "payload", 0).is_some());
+        assert_eq!((of(&guessed, "link_inertia_error", 0), of(&guessed, "stribeck_friction", last)), (None, None));
+        // Where someone said how they stand, nothing is assumed.
+        choice.hold.insert("finger_left_joint".into(), 0.01);
+        assert_eq!(of(&robot(&choice), "payload", 0), None);
     }
 }

@@ -105,8 +105,10 @@ fn bodies(dof: usize, source: &mut ChaCha8Rng) -> Robot {
         joints,
         flange,
         tree: None,
+        actuators: Vec::new(),
         held: Vec::new(),
         assumed: Vec::new(),
+        guessed: Vec::new(),
         notes: Vec::new(),
     }
 }

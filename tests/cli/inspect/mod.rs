@@ -3,6 +3,7 @@
 mod files;
 mod headers;
 mod inputs;
+mod motors;
 
 use super::{Case, assert_done, assert_refusal, text};
 use std::fmt::Write;

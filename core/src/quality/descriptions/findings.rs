@@ -15,6 +15,9 @@ const DIGITS: usize = 2;
 /// Floors are level, and bases are on them, to within this angle, degrees.
 const TILTED_DEG: f64 = 3.0;
 
+/// Factors below this are written as one over their inverse, as ratios of gears are.
+const SMALL: f64 = 0.1;
+
 /// What the factor of one torque comes from.
 const FACTOR_OF_ONE: &str = "its gear, torque constant or unit is another: [motors] gear_ratio, torque_constant_nm_a";
 
@@ -24,6 +27,10 @@ const ANOTHER: &str = "the URDF's bodies do not explain the torques with it: is 
 /// Said where a changed motion is all that is known.
 const WITHOUT_MASSES: &str = "the robot's file has no bodies that can exist (masses are missing, or inertias are none of a body), which could tell \
                               the log of another robot with such joints: is it of this one?";
+
+/// Said where a factor leaves much of the torques.
+const MUCH_LEFT: &str = "So much is left that another cause is not excluded: motors behind gears that differ, positions in another unit, or another \
+                         robot; nothing of this is certain";
 
 /// Said where the joints feel too little of gravity.
 const BY_BODIES: &str =
@@ -116,6 +123,8 @@ fn about(factor: f64) -> String {
 fn origin(factor: f64, factors: &[Option<f64>], joints: &[String]) -> String {
     if factors.len() > 1 {
         let each = factors.iter().zip(joints).map(|(f, joint)| match f {
+            // Torques before gears are parts of those behind them.
+            Some(f) if f.abs() < SMALL => format!("{joint} 1/{}", about(1.0 / f.abs())),
             Some(f) => format!("{joint} {}", about(f.abs())),
             None => format!("{joint} not known"),
         });
@@ -211,6 +220,7 @@ pub(crate) fn findings(verdict: &Verdict, joints: &[String]) -> Vec<Finding> {
         Some(shown) => not_by_residuals(shown, joints),
         None => fall(verdict, joints),
     };
+    let gain = if verdict.leaves_much() { format!("{gain}. {MUCH_LEFT}") } else { gain };
     let next = verdict.next.as_ref().map_or(String::new(), |next| format!("; the best other cause: {}", named(next)));
     let next = if verdict.unlike_bodies { format!("{next}; {ANOTHER}") } else { next };
     let next = if verdict.without_bodies { format!("{next}; {WITHOUT_MASSES}") } else { next };

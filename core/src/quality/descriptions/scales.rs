@@ -13,6 +13,7 @@ use super::search::search;
 use super::shares::ALIKE;
 use super::sizes::factors::{self, OwnFactors};
 use super::sizes::scale::{self, Scaled};
+use super::sizes::unequal;
 use super::tried::Tried;
 use super::verdict::Alternative;
 use crate::robot::Robot;
@@ -102,7 +103,7 @@ impl Scales<'_> {
     /// The scale that all torques share, or each has, where no controller took gravity off: torques without it are small against those of
     /// the bodies, too.
     fn of_all(&self, start: &Description) -> Option<Own> {
-        let Scaled { before, after, factors } = scale::judge(self.bodies, self.rows, start)?;
+        let Scaled { before, after, factors, each } = scale::judge(self.bodies, self.rows, start)?;
         let weightless = Tried::new(self.bodies, self.rows, start.with(Change::WithoutGravity));
         let compensated = self.compensated(start, &factors);
         let worse = |weightless: Tried| {
@@ -111,6 +112,11 @@ impl Scales<'_> {
         if !weightless.into_iter().chain(compensated).all(worse) {
             return None;
         }
+        let unequal = |shared: f64| unequal::of_joints([self.free, self.bodies], self.rows, start, shared, &each);
+        let (after, factors) = match factors[..] {
+            [Some(shared)] if start.dof() > 1 => unequal(shared).unwrap_or((after, factors)),
+            _ => (after, factors),
+        };
         let described = Tried::new(self.bodies, self.rows, after.description.clone())?;
         Some(Own { scales: OtherScales { before, after, factors, alternatives: Vec::new() }, described })
     }

@@ -1,6 +1,7 @@
 //! The verdict on a description, with its alternatives.
 
 use super::change::{Change, Description};
+use super::shares::WRONG_MASSES;
 
 /// A set of changes with the share of the torque that stays unexplained under it, held out.
 ///
@@ -144,4 +145,12 @@ pub struct Verdict {
     /// Whether there is no alternative and the logs are long enough, or several that agree: then the changed description
     /// can be gone on with.
     pub beyond_doubt: bool,
+}
+
+impl Verdict {
+    /// Whether so much of the torques stays unexplained under a factor of them that a cause unlike it may be behind that: positions and
+    /// torques of motors behind unlike gears, or another robot, leave as much. Bodies that are described wrongly leave less.
+    pub fn leaves_much(&self) -> bool {
+        self.shown.is_none() && self.after > WRONG_MASSES && self.description.scaled().next().is_some()
+    }
 }

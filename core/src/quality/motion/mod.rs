@@ -1,5 +1,6 @@
 //! What the joints do: range and speed against the limits, units of position, joints that hardly move.
 
+mod coupled;
 mod exchange;
 mod position_unit;
 mod summary;
@@ -74,9 +75,10 @@ pub(super) fn findings(
             let other = units.exchanged(joint).map_or(String::new(), |other| {
                 format!(" (those of {} are within them, and these within its own), or units", view.log.joints[other])
             });
+            let coupled = robot.and_then(|robot| coupled::hint(view, robot, joint)).unwrap_or_default();
             let text = format!(
                 "the positions {:.3} .. {:.3} leave the URDF's limits {:.3} .. {:.3}; check zero positions, signs and the \
-                     order of the joints{other}",
+                     order of the joints{other}{coupled}",
                 summary.range[0], summary.range[1], limits.lower, limits.upper
             );
             out.push(Finding::new(Kind::OutsideLimits, Severity::Warning, place.clone(), text));

@@ -2,6 +2,7 @@
 
 use super::exchange::{self, NOT_FASTER, WITHIN};
 use super::summary::JointSummary;
+use crate::quality::descriptions::Gears;
 use crate::quality::places::grouped;
 use crate::quality::velocity;
 use crate::quality::view::View;
@@ -200,8 +201,8 @@ pub(crate) struct PositionUnits {
     /// Of each joint the one whose positions it may have.
     exchanged: Vec<Option<usize>>,
     kinds: Vec<JointKind>,
-    /// Ratio of the gears, where the positions are those of motors.
-    gear: Option<f64>,
+    /// The gears, where the positions are those of motors.
+    gear: Option<Gears>,
 }
 
 impl PositionUnits {
@@ -259,10 +260,10 @@ impl PositionUnits {
     }
 
     /// The same where the positions of joints that turn are those of motors behind gears of a ratio: in no unit of the joints.
-    pub(crate) fn before_gears(mut self, ratio: f64) -> Self {
+    pub(crate) fn before_gears(mut self, gears: Gears) -> Self {
         let turned = self.doubts.iter_mut().zip(&self.kinds).filter(|(_, kind)| **kind == JointKind::Revolute);
         turned.for_each(|(doubt, _)| *doubt = Some(Vec::new()));
-        self.gear = Some(ratio);
+        self.gear = Some(gears);
         self
     }
 
@@ -328,11 +329,17 @@ impl PositionUnits {
                     unit.symbol()
                 ),
                 None if self.gear.is_some() && self.kinds[joints[0]] == JointKind::Revolute => {
-                    let ratio = self.gear.unwrap_or(1.0);
+                    let ratio = self.gear.map_or(1.0, |gear| gear.ratio);
+                    let signs = match self.gear.is_some_and(|gear| gear.some_reversed) {
+                        true => {
+                            "; some motors turn the other way than their joints, which an inspection with the gears names ([motors] sign)"
+                        }
+                        false => "",
+                    };
                     format!(
                         "the positions are those of the motors, before gears of about {ratio:.0}: up to {largest:.1}, they are so many times too \
                          large in rad, and in no unit do they explain the torques as well. Give the gears in a dataset ([motors] gear_ratio = \
-                         {ratio:.0}, position_at = \"motor\"; torque_at = \"motor\" for torques of the motors)"
+                         {ratio:.0}, position_at = \"motor\"; torque_at = \"motor\" for torques of the motors){signs}"
                     )
                 }
                 None => {

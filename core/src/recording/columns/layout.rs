@@ -34,6 +34,8 @@ pub(crate) struct Layout {
     pub currents: bool,
     /// The first column of torque, where a controller wanted or computed the torques.
     pub of_controller: Option<String>,
+    /// Torques are called for the motors of the robot's file.
+    pub of_motors: bool,
     /// What the file has and the recording will not.
     pub notes: Vec<String>,
     /// Joints of columns that are not used, by their names.

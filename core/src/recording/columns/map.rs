@@ -72,6 +72,12 @@ pub struct ColumnMap {
     /// Seconds per unit of time, where it is known; else it is recognised from the column's name and the numbers.
     #[serde(skip)]
     pub time_factor: Option<f64>,
+    /// Whether constants are known that make torques of motor currents.
+    #[serde(skip)]
+    pub torque_constants: bool,
+    /// Names of motors, each with its joint: columns may carry them in the place of the joints'.
+    #[serde(skip)]
+    pub motors: Vec<(String, String)>,
     /// Whether the unit of position, velocity, acceleration and torque is known: the names of the columns say nothing about it then.
     #[serde(skip)]
     pub known_units: [bool; 4],

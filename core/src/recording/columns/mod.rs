@@ -13,6 +13,7 @@ mod map;
 pub(super) mod names;
 mod resolve;
 mod search;
+mod spare_currents;
 mod unknown_units;
 
 pub use families::JointNames;

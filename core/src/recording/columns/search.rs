@@ -5,6 +5,7 @@ use super::families::{Place, any_position, base, behind_prefix, best_family, can
 use super::layout::{ABSENT, Layout};
 use super::names::{self, QUANTITIES, TRUE};
 use super::resolve::{Clock, Found, Resolver, listed};
+use super::spare_currents;
 use super::unknown_units;
 use crate::error::{Error, Result};
 use std::collections::{BTreeMap, BTreeSet};
@@ -12,13 +13,19 @@ use std::path::Path;
 
 /// How much must be there.
 #[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct Demand {
+pub(crate) struct Demand<'a> {
     /// A joint may lack its torque or its velocity.
     pub lenient: bool,
     /// The rows come at a rate that is given, and no column of time is looked for.
     pub timeless: bool,
     /// No joint needs a torque.
     pub positions_alone: bool,
+    /// Constants are known that make torques of motor currents.
+    pub constants: bool,
+    /// Columns whose use is known, though they hold no signal.
+    pub hidden: &'a [usize],
+    /// Names of motors, each with its joint.
+    pub motors: &'a [(String, String)],
 }
 
 impl Layout {
@@ -67,7 +74,7 @@ impl Layout {
         let mut used = BTreeSet::new();
         let mut found: [[Found; 4]; 2] = Default::default();
         let mut bases = [None; 4];
-        let (mut currents, mut of_controller) = (false, false);
+        let (mut currents, mut of_controller, mut of_motors_alone) = (false, false, false);
         let mut units = BTreeMap::new();
         for (truth, quantity) in
             [false, true].into_iter().flat_map(|truth| (0..4).map(move |quantity| (truth, quantity)))
@@ -80,6 +87,17 @@ impl Layout {
             if let Some((numbers, prefix)) = of_topic {
                 own = candidates(&meanings, &names, &numbers, truth, quantity);
                 understood.push(format!("each {} is that of the joint behind {prefix}", QUANTITIES[quantity].name));
+            }
+            if own.is_empty() && !truth && joints.is_some() {
+                let by_motors = of_motors(demand.motors, &names);
+                own = candidates(&meanings, &names, &by_motors, truth, quantity);
+                if let Some((name, number)) = by_motors.iter().find(|_| !own.is_empty()) {
+                    let (quantity, joint) = (QUANTITIES[quantity].name, &names[number - 1]);
+                    understood.push(format!(
+                        "each {quantity} is that of a motor of the robot's file, {name} for {joint} and so on"
+                    ));
+                    of_motors_alone |= quantity == QUANTITIES[names::TORQUE].name;
+                }
             }
             let family = best_family(own);
             currents |= family.iter().any(|candidate| candidate.meaning.current);
@@ -155,7 +173,11 @@ impl Layout {
         }
         let unused: Vec<String> =
             (0..header.len())
-                .filter(|column| !used.contains(column) && (notes.is_empty() || !header[*column].ends_with(TRUE)))
+                .filter(|column| {
+                    !used.contains(column)
+                        && !demand.hidden.contains(column)
+                        && (notes.is_empty() || !header[*column].ends_with(TRUE))
+                })
                 .map(|column| {
                     if header[column].is_empty() { format!("(column {})", column + 1) } else { header[column].clone() }
                 })
@@ -165,13 +187,21 @@ impl Layout {
             notes.push(format!("columns not used: {}", listed(&unused)));
         }
         let of_quantities = [Some(&q), qd.as_ref(), qdd.as_ref(), Some(&tau)];
+        let own = candidates(&meanings, &names, &numbers, false, names::TORQUE);
+        let base = bases[names::TORQUE].or(bases[names::POSITION]);
+        notes.extend(spare_currents::note(header, &names, &tau, &own, base));
         notes.extend(unknown_units::notes(header, &names, of_quantities, &units));
         let first_torque = tau.iter().find(|column| **column != ABSENT).map_or("", |column| header[*column].as_str());
         if currents {
-            understood.push(format!(
-                "{first_torque} and its like are motor currents, taken in the place of torques: a dataset with [motors] torque_constant_nm_a \
-                 (N m per A, and gear_ratio where it is that of the motor) makes torques of them"
-            ));
+            let makes = match demand.constants {
+                true => "the torque constants of the dataset make torques of them",
+                false => {
+                    "taken in the place of torques: a dataset with [motors] torque_constant_nm_a (N m per A, and gear_ratio where it is that of \
+                     the motor) makes torques of them"
+                }
+            };
+            let join = if demand.constants { ":" } else { "," };
+            understood.push(format!("{first_torque} and its like are motor currents{join} {makes}"));
         }
         Ok(Layout {
             time: time.time,
@@ -187,12 +217,21 @@ impl Layout {
             units,
             currents,
             of_controller: of_controller.then(|| first_torque.to_owned()),
+            of_motors: of_motors_alone,
             notes,
             unknown_joints,
             understood,
             joints: if names.is_empty() { (1..=count).map(|joint| format!("joint_{joint}")).collect() } else { names },
         })
     }
+}
+
+/// The numbers of joints by the names of their motors, counted from 1, of joints that have one motor.
+fn of_motors(motors: &[(String, String)], names: &[String]) -> BTreeMap<String, usize> {
+    let has_one = |joint: &String| motors.iter().filter(|(_, own)| own == joint).count() == 1;
+    let number = |joint: &String| names.iter().position(|name| name == joint).map(|place| place + 1);
+    let of = |(motor, joint): &(String, String)| Some((motor.clone(), number(joint).filter(|_| has_one(joint))?));
+    motors.iter().filter_map(of).collect()
 }
 
 /// Joints that columns without use name as those of a measured position or torque.

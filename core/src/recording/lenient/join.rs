@@ -11,6 +11,14 @@ use std::path::PathBuf;
 /// Rows of all files together: columns indexed as the header, lines of the first file, rows that cannot be read.
 pub(super) type Joined = (Vec<Vec<f64>>, Vec<usize>, Vec<Rejected>);
 
+/// The columns of time of the files.
+pub(super) struct Times {
+    /// That of each file.
+    pub of_files: Vec<Option<OwnTime>>,
+    /// Columns that are hidden, since the first file has the time.
+    pub hidden: Vec<usize>,
+}
+
 /// The column of time of a file.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct OwnTime {
@@ -20,11 +28,11 @@ pub(super) struct OwnTime {
     factor: Option<f64>,
 }
 
-/// Hides the times of all files but the first that has one, and returns for every file its column of time.
-pub(super) fn hide_times(sources: &[Source], header: &mut [String]) -> Vec<Option<OwnTime>> {
+/// Hides the times of all files but the first that has one.
+pub(super) fn hide_times(sources: &[Source], header: &mut [String]) -> Times {
     let mut start = 0;
     let mut known = false;
-    let mut out = Vec::new();
+    let mut out = Times { of_files: Vec::new(), hidden: Vec::new() };
     for source in sources {
         let own = start..start + source.header().len();
         let ranked = own.clone().filter_map(|column| {
@@ -36,11 +44,12 @@ pub(super) fn hide_times(sources: &[Source], header: &mut [String]) -> Vec<Optio
             for column in own.clone() {
                 if names::time(&header[column], column - own.start).is_some() {
                     header[column] = format!("({})", header[column]);
+                    out.hidden.push(column);
                 }
             }
         }
         known |= time.is_some();
-        out.push(time);
+        out.of_files.push(time);
         start = own.end;
     }
     out

@@ -45,10 +45,14 @@ pub struct Sieved {
     pub unwrapped: Vec<(usize, f64)>,
     /// Torques are motor currents by their name.
     pub currents: bool,
+    /// Torques are called for the motors of the robot's file: they may be those before the gears.
+    pub of_motors: bool,
     /// The first column of torque, where torques are those that a controller wanted or computed, by their names.
     pub of_controller: Option<String>,
     /// Time may be a count of a controller's cycles, whose length is not known and taken for 1 ms.
     pub may_count: bool,
+    /// Lines with which further recordings of the file begin: the time before each was put there by the reader.
+    pub begins: Vec<usize>,
     /// What is wrong with the whole of the rows, and what to do: the log cannot be used.
     pub spoilt: Option<String>,
 }
@@ -105,11 +109,19 @@ fn read(paths: &[PathBuf], joints: Option<&[String]>, map: &ColumnMap, positions
     let header = sources.iter().flat_map(Source::header).cloned().collect();
     let mut header = map.rename(path, header)?;
     join::name_by_files(paths, &sources, &mut header);
-    let by_time = join::hide_times(&sources, &mut header);
+    let times = join::hide_times(&sources, &mut header);
     let own = sources[0].own_joints();
-    let demand = Demand { lenient: true, timeless: map.rate_hz.is_some(), positions_alone };
+    let demand = Demand {
+        lenient: true,
+        timeless: map.rate_hz.is_some(),
+        positions_alone,
+        constants: map.torque_constants,
+        hidden: &times.hidden,
+        motors: &map.motors,
+    };
     let mut layout = Layout::search(path, sources[0].line(), &header, joints.or(own.as_deref()), demand)?;
-    let (mut columns, mut lines, unreadable) = join::rows(paths, &mut sources, &header, &layout.used(), &by_time)?;
+    let (mut columns, mut lines, unreadable) =
+        join::rows(paths, &mut sources, &header, &layout.used(), &times.of_files)?;
 
     layout.understood.extend(sentinel::removed(&layout, &header, &mut columns));
     let empty = missing::empty_columns(&layout, &columns);
@@ -130,13 +142,14 @@ fn read(paths: &[PathBuf], joints: Option<&[String]>, map: &ColumnMap, positions
     let mut corrections = std::mem::take(&mut layout.understood);
     let clock = stamps::clock(path, sources[0].text(), &mut layout, &mut columns, &mut header, lines.len(), map)?;
     corrections.extend(clock.corrections);
+    let begins = clock.begins.iter().filter_map(|&row| lines.get(row).copied()).collect();
     corrections.extend(rates::without_whole(&layout, &mut columns, &mut lines));
     corrections.extend(rates::without_repeats(&layout, &mut columns, &mut lines));
     let mut rows = Rows { header, lines, columns };
     let rejected = rows.sieve(&layout, unreadable);
     let notes = std::mem::take(&mut layout.notes).into_iter().chain(sources.iter().flat_map(Source::notes)).collect();
     let unknown_joints = std::mem::take(&mut layout.unknown_joints);
-    let (currents, of_controller) = (layout.currents, layout.of_controller.take());
+    let (currents, of_motors, of_controller) = (layout.currents, layout.of_motors, layout.of_controller.take());
     let of_names = layout.units();
     let mut recording = layout.recording(rows.columns);
     corrections.extend(units::in_si(&mut recording, of_names, map.known_units));
@@ -155,8 +168,10 @@ fn read(paths: &[PathBuf], joints: Option<&[String]>, map: &ColumnMap, positions
         corrections,
         unwrapped,
         currents,
+        of_motors,
         of_controller,
         may_count: clock.may_count,
+        begins,
         spoilt,
     };
     match sieved.rejected.first() {

@@ -138,7 +138,7 @@ fn at_even_steps(recording: &Recording) -> Recording {
 }
 
 /// A step longer than this many median steps cannot be bridged.
-const TORN: f64 = 10.0;
+pub(crate) const TORN: f64 = 10.0;
 
 /// A piece with fewer samples is not worth keeping.
 const SHORTEST: usize = 50;

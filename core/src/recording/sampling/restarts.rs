@@ -11,8 +11,8 @@ const STEPS: f64 = 2.0;
 /// Time that is put between two recordings, s: a log is cut at gaps as long.
 const APART_S: f64 = 10.0;
 
-/// Puts recordings behind each other whose times in seconds all begin anew; returns what was done.
-pub(super) fn undo(time: &mut [f64]) -> Option<String> {
+/// Puts recordings behind each other whose times in seconds all begin anew; returns what was done, and the first row of each but the first.
+pub(super) fn undo(time: &mut [f64]) -> Option<(String, Vec<usize>)> {
     let first = *time.first()?;
     let steps = time.windows(2).map(|pair| pair[1] - pair[0]);
     let usual = size_quantile(steps.filter(|step| *step > 0.0), 0.5);
@@ -28,11 +28,12 @@ pub(super) fn undo(time: &mut [f64]) -> Option<String> {
         let by = time[start - 1] + APART_S - time[start];
         time[start..].iter_mut().for_each(|time| *time += by);
     }
-    Some(format!(
+    let said = format!(
         "the file holds {} recordings one behind another, each with times from {first} s on: they are put {APART_S} s apart, and none goes on \
          into the next",
         starts.len()
-    ))
+    );
+    Some((said, starts.split_off(1)))
 }
 
 #[cfg(test)]
@@ -46,8 +47,9 @@ mod tests {
     #[test]
     fn recordings_that_begin_anew_are_kept_apart() {
         let mut time = episodes(&[100, 50, 200], 0.5);
-        let said = undo(&mut time).unwrap();
+        let (said, begins) = undo(&mut time).unwrap();
         assert!(said.contains("3 recordings"), "{said}");
+        assert_eq!(begins, [100, 150]);
         let gaps: Vec<usize> = (1..time.len()).filter(|&row| time[row] - time[row - 1] > 1.0).collect();
         assert_eq!(gaps, [100, 150]);
         assert!(time.is_sorted() && (time[100] - time[99] - APART_S).abs() < 1e-9);

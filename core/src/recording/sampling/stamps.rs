@@ -51,6 +51,8 @@ pub(crate) struct Clock {
     pub corrections: Vec<String>,
     /// Time may be a count of cycles of unknown length, which is taken for ms.
     pub may_count: bool,
+    /// Rows with which further recordings of the file begin, which were put apart.
+    pub begins: Vec<usize>,
     /// Why the rows cannot be used, and what to do.
     pub spoilt: Option<String>,
 }
@@ -116,7 +118,10 @@ pub(crate) fn clock(
     let signals: Vec<&[f64]> = positions.iter().map(|&column| columns[column].as_slice()).collect();
     clock.corrections.extend(late::undo(&mut stamps));
     clock.corrections.extend(set::undo(&mut stamps, &signals));
-    clock.corrections.extend(restarts::undo(&mut stamps));
+    if let Some((said, begins)) = restarts::undo(&mut stamps) {
+        clock.corrections.push(said);
+        clock.begins = begins;
+    }
     columns[time] = stamps;
     clock.corrections.extend(bursts(&mut columns[time]));
     let same = |row: usize| used.iter().all(|&column| columns[column][row] == columns[column][row - 1]);

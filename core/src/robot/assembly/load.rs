@@ -27,7 +27,7 @@ impl Description {
         let places = self.places(choice)?;
         let mut notes = self.notes.clone();
         let held = self.held(&places, choice, &mut notes);
-        let assumed = self.assumed(&places, choice);
+        let (assumed, guessed) = (self.assumed(&places, choice), self.guessed(&places, choice));
         let order: Vec<usize> =
             self.depth_first().into_iter().filter(|&j| matches!(places[j], Place::Moves { .. })).collect();
         let leads = |joint: &usize| matches!(places[*joint], Place::Moves { leader, .. } if leader == *joint);
@@ -54,6 +54,7 @@ impl Description {
         let tree = (!serial || tip + 1 != joints.len()).then_some(Tree { followers: followed, parents, tip });
         let (name, source) = (self.name.clone(), self.source.clone());
         let columns = joints.iter().map(|joint| joint.name.clone()).collect();
-        Ok(Robot { name, source, gravity: self.gravity, joints, flange, tree, columns, held, assumed, notes })
+        let (gravity, actuators) = (self.gravity, self.actuators.clone());
+        Ok(Robot { name, source, gravity, joints, flange, tree, columns, actuators, held, assumed, guessed, notes })
     }
 }

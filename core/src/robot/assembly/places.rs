@@ -105,6 +105,19 @@ impl Description {
         (0..self.joints.len()).filter(assumed).map(|at| self.joints[at].name.clone()).collect()
     }
 
+    /// Held joints behind joints that move, where nobody said how they stand, each with the nearest joint that moves and carries it.
+    pub(super) fn guessed(&self, places: &[Place], choice: &Choice) -> Vec<(String, String)> {
+        let carrier = |joint: &JointDescription| {
+            let above = |link: usize| self.joint_above(link);
+            let mut on = std::iter::successors(above(joint.parent), |&at| above(self.joints[at].parent));
+            on.find(|&at| matches!(places[at], Place::Moves { .. })).map(|at| self.joints[at].name.clone())
+        };
+        let held = self.joints.iter().zip(places).filter(|(_, place)| matches!(place, Place::Held(_)));
+        held.filter(|(joint, _)| moves(joint) && !self.is_given(joint, choice))
+            .filter_map(|(joint, _)| Some((joint.name.clone(), carrier(joint)?)))
+            .collect()
+    }
+
     /// Moving joints that are held, with a note of where.
     pub(super) fn held(&self, places: &[Place], choice: &Choice, notes: &mut Vec<String>) -> Vec<(String, f64)> {
         let mut held = Vec::new();

@@ -1,6 +1,6 @@
 //! A robot as its file describes it: a tree of links and joints of every kind, before it is decided which joints move.
 
-use crate::robot::model::{Drive, Inertia, JointKind, Limits, Pose};
+use crate::robot::model::{Actuator, Drive, Inertia, JointKind, Limits, Pose};
 use nalgebra::Vector3;
 use std::path::PathBuf;
 
@@ -182,6 +182,8 @@ pub struct Description {
     pub links: Vec<LinkDescription>,
     /// Joints in the order of the file.
     pub joints: Vec<JointDescription>,
+    /// Motors that the file names.
+    pub actuators: Vec<Actuator>,
     /// What was read otherwise than it is written, a line each: units recognised, rounded angles, friction below zero.
     pub notes: Vec<String>,
 }

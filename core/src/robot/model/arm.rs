@@ -1,5 +1,6 @@
 //! A robot as it is modelled: coordinates, bodies and flange.
 
+use super::actuator::Actuator;
 use super::joint::{Joint, JointKind};
 use super::pose::Pose;
 use super::tree::Tree;
@@ -45,10 +46,14 @@ pub struct Robot {
     /// Joints that the columns of a log stand for where they are numbered or described one by one: those under study, and those
     /// that turned out to stand still or to follow.
     pub columns: Vec<String>,
+    /// Motors that the file names, of all of its joints.
+    pub actuators: Vec<Actuator>,
     /// Moving joints of the file that stand still here, each at its position, rad or m.
     pub held: Vec<(String, f64)>,
     /// Those of them that turn what the joints under study stand on, at a position that neither a log nor anyone gave.
     pub assumed: Vec<String>,
+    /// Those of them that stand on a joint that moves, at a position that neither a log nor anyone gave, each with that joint.
+    pub guessed: Vec<(String, String)>,
     /// What was read otherwise than it is written, and which joints are held; a line each.
     pub notes: Vec<String>,
 }

@@ -3,6 +3,7 @@
 //! A [`Robot`] has a coordinate per joint, in the order from base to flange; each [`Joint`] carries one rigid body ([`Inertia`]). Joints
 //! that mimic others follow a coordinate ([`Follower`]); where the arm branches, a [`Tree`] gives the body that carries each.
 
+mod actuator;
 mod arm;
 mod bodies;
 mod constants;
@@ -15,6 +16,7 @@ mod tree;
 mod unit;
 mod units;
 
+pub use actuator::Actuator;
 pub use arm::Robot;
 pub use constants::{GRAVITY, LARGEST, LARGEST_GRAVITY};
 pub use coupling::{Coupling, LinearMap};

@@ -6,6 +6,7 @@
 //! | how well the logs determine one | `spread` |
 //! | how large torques are | `scale` |
 //! | how large the torque of one joint is | `factors` |
+//! | how torques of one scale differ from joint to joint | `unequal` |
 //! | whether a torque is beyond its drive | `effort` |
 //! | where the zero of a joint is | `zeros` |
 //! | the least value of a function | `golden` |
@@ -16,4 +17,5 @@ pub(super) mod golden;
 pub(super) mod scale;
 pub(super) mod spread;
 pub(super) mod tilt;
+pub(super) mod unequal;
 pub(super) mod zeros;

@@ -45,6 +45,8 @@ pub(crate) struct Scaled {
     pub after: Tried,
     /// How many times larger the logged torque is: one factor where the joints share it, else one per joint, where it is known.
     pub factors: Vec<Option<f64>>,
+    /// The same one by one, as the described bodies have them.
+    pub each: Vec<f64>,
 }
 
 /// The scale of the torques, where it is clearly another than that of the described bodies with any load.
@@ -77,6 +79,7 @@ pub(crate) fn judge(bodies: &Physics, rows: &Rows, start: &Description) -> Optio
     let each_known: Vec<Option<f64>> = (0..each.len()).map(known).collect();
     let all: Vec<f64> = each.iter().map(|factor| if bounded(*factor) { *factor } else { shared }).collect();
     let mut own = start.with_scales(shared, &all);
+    let each = all;
     own.scale_is_partial = each_known.iter().any(Option::is_none);
     let candidates = [(scaled(shared), vec![Some(shared)]), (own, each_known)];
     let [one, differing] = candidates.map(|(description, factors)| {
@@ -91,7 +94,12 @@ pub(crate) fn judge(bodies: &Physics, rows: &Rows, start: &Description) -> Optio
     implausible(&factors)?;
     let gain = compare(&before.evaluation, &after.evaluation, &rows.log)?;
     let credible = after.share() < ALIKE;
-    (credible && gain.is_better(TRIED, EXPLAINED) && gain.is_distinct()).then_some(Scaled { before, after, factors })
+    (credible && gain.is_better(TRIED, EXPLAINED) && gain.is_distinct()).then_some(Scaled {
+        before,
+        after,
+        factors,
+        each,
+    })
 }
 
 /// Whether factors are so unlike that masses alone do not make the difference from joint to joint.

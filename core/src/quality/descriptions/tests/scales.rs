@@ -153,3 +153,24 @@ fn the_factor_of_one_torque_is_found_with_the_sign_of_another() {
     assert!(matches!(found[..], [(2, times)] if (times * 0.02).ln().abs() < 0.1), "{verdict:?}");
     assert!(verdict.description.changes.contains(&Change::TorqueSign(0)) && !verdict.beyond_doubt, "{verdict:?}");
 }
+
+/// Gears that differ by no more than masses do: free bodies show their ratios.
+#[test]
+fn gears_that_differ_are_a_factor_for_each_joint() {
+    let gears = [160.0, 100.0, 70.0, 100.0, 80.0, 80.0];
+    let verdict = judged(&scaled(&irb(), gears.map(|gear| 1.0 / gear))).unwrap();
+    assert_eq!(verdict.factors.len(), 6, "{verdict:?}");
+    for (factor, gear) in verdict.factors.iter().zip(gears) {
+        assert!(factor.is_none_or(|factor| (factor * gear).ln().abs() < 0.3), "{:?}", verdict.factors);
+    }
+}
+
+/// A factor that leaves much of the torques is one of several causes.
+#[test]
+fn a_factor_that_leaves_much_is_not_certain() {
+    let mut verdict = judged(&scaled(&irb(), [1e-2; 6])).unwrap();
+    assert!(!verdict.leaves_much(), "{}", verdict.after);
+    verdict.after = 0.29;
+    let said = findings(&verdict, &irb().joint_names());
+    assert!(verdict.leaves_much() && said[0].text.contains("nothing of this is certain"), "{said:?}");
+}

@@ -58,3 +58,18 @@ fn positions_before_gears_are_in_no_unit() {
         }
     }
 }
+
+/// Motors of which some turn the other way than their joints, with their torques before the gears too.
+#[test]
+fn positions_before_gears_with_other_signs_are_in_no_unit() {
+    let robot = irb();
+    let mut log = simulated(&robot, Oddity::None, 20.0, 10);
+    let reversed = [1, 3, 5].iter().fold(Description::as_given(6, robot.gravity), |d, &j| d.with(Change::AxisSign(j)));
+    reversed.apply(&mut log.recording);
+    log.recording.q.as_mut_slice().iter_mut().for_each(|q| *q *= 101.0);
+    log.recording.tau.as_mut_slice().iter_mut().for_each(|torque| *torque /= 101.0);
+    let report = examine_together(&[&log], Some(&robot)).unwrap().reports.remove(0);
+    let [finding] = &report.findings[..] else { panic!("{:?}", report.findings) };
+    assert!(finding.text.contains("gears of about 101:") && finding.text.contains("[motors] sign"), "{finding:?}");
+    assert!(report.units.is_none() && report.description.is_none());
+}

@@ -121,3 +121,48 @@ fn joints_that_turn_and_joints_that_slide_have_words_of_their_own() {
     assert_eq!(layout.q, [3, 4]);
     assert!(find("t,a_pos,b_pos,angle_c,a_torque,b_torque,c_torque", Some(&["a", "b", "c"])).is_err());
 }
+
+fn search(header: &str, demand: Demand) -> Layout {
+    let header: Vec<String> = header.split(',').map(str::to_owned).collect();
+    let joints = ["elbow", "wrist"].map(str::to_owned);
+    Layout::search(Path::new("log.csv"), Some(1), &header, Some(&joints), demand).unwrap()
+}
+
+#[test]
+fn motors_stand_for_the_joints_that_they_move() {
+    let motors = [("m2", "wrist"), ("m1", "elbow")].map(|(motor, joint)| (motor.to_owned(), joint.to_owned()));
+    let demand = Demand { lenient: true, motors: &motors, ..Demand::default() };
+    let layout = search("t,qpos_elbow,qpos_wrist,actuator_force_m1,actuator_force_m2", demand);
+    assert_eq!((layout.tau, layout.of_motors), (vec![3, 4], true));
+    assert!(layout.understood.iter().any(|note| note.contains("m1 for elbow")), "{:?}", layout.understood);
+    // Names of joints come first.
+    let layout = search("t,q_elbow,q_wrist,m1_effort,m2_effort,elbow_effort,wrist_effort", demand);
+    assert_eq!((layout.tau, layout.of_motors), (vec![5, 6], false));
+    // Two motors of one joint make its torque together.
+    let pair = [("m1", "elbow"), ("m2", "elbow")].map(|(motor, joint)| (motor.to_owned(), joint.to_owned()));
+    assert!(of_motors(&pair, &["elbow".to_owned()]).is_empty());
+}
+
+#[test]
+fn currents_of_joints_without_a_torque_are_named() {
+    let demand = Demand { lenient: true, ..Demand::default() };
+    let layout = search("t,elbow_position,wrist_position,elbow_effort,wrist_current", demand);
+    assert_eq!((layout.tau, layout.currents), (vec![3, ABSENT], false));
+    let notes = layout.notes.join("; ");
+    let cure =
+        "tau = [\"elbow_effort\", \"wrist_current\"], [units] torque = \"A\", [motors] torque_constant_nm_a = [1, K]";
+    assert!(notes.contains(cure), "{notes}");
+    // Currents besides torques are left alone.
+    let layout = search("t,elbow_position,wrist_position,elbow_effort,wrist_effort,wrist_current", demand);
+    assert_eq!(layout.notes, ["columns not used: wrist_current"]);
+}
+
+#[test]
+fn constants_are_asked_for_where_they_are_not_given() {
+    let said = |constants: bool| {
+        let demand = Demand { lenient: true, constants, ..Demand::default() };
+        search("t,elbow_position,wrist_position,elbow_current,wrist_current", demand).understood.join("; ")
+    };
+    assert!(said(false).contains("a dataset with [motors] torque_constant_nm_a"), "{}", said(false));
+    assert!(said(true).contains("the torque constants of the dataset") && !said(true).contains("[motors]"));
+}

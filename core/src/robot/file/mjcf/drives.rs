@@ -5,6 +5,7 @@ use super::defaults::{ACTUATORS, Settled};
 use super::element::Element;
 use super::models::Models;
 use crate::error::Result;
+use crate::robot::model::Actuator;
 
 /// Sets the effort limits of the joints: what their drives can deliver together, and no more than the joints let through.
 ///
@@ -25,6 +26,23 @@ pub(super) fn set_efforts(root: &Element, bodies: &mut Bodies, models: &Models) 
         joint.limits.effort = if effort > 0.0 { effort } else { f64::INFINITY };
     }
     Ok(())
+}
+
+/// The drives that have a name and move one joint.
+///
+/// # Errors
+/// As [`set_efforts`].
+pub(super) fn named(root: &Element, bodies: &Bodies, models: &Models) -> Result<Vec<Actuator>> {
+    let mut out = Vec::new();
+    for element in root.all("actuator").flat_map(|section| &section.children) {
+        let joint = element.get("joint").or(element.get("jointinparent"));
+        let (Some(name), Some(joint)) = (element.get("name"), joint) else { continue };
+        if ACTUATORS.contains(&element.tag.as_str()) && bodies.joints.iter().any(|own| own.name == joint) {
+            let gear = models.settled(element, None)?.number("gear")?.unwrap_or(1.0);
+            out.push(Actuator { name: name.to_owned(), joint: joint.to_owned(), gear });
+        }
+    }
+    Ok(out)
 }
 
 /// The highest effort of one drive at its joint.

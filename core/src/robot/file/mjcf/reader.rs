@@ -43,6 +43,7 @@ pub(crate) fn read(source: &XmlText) -> Result<Description> {
         ));
     }
     drives::set_efforts(&root, &mut bodies, &models)?;
+    let actuators = drives::named(&root, &bodies, &models)?;
     couplings::couple(&root, &mut bodies)?;
     settle_mimics(path, &mut bodies.joints, &mut bodies.notes)?;
     scale(&mut bodies, models.main().total_mass);
@@ -59,6 +60,7 @@ pub(crate) fn read(source: &XmlText) -> Result<Description> {
         gravity,
         links: bodies.links,
         joints: bodies.joints,
+        actuators,
         notes: bodies.notes,
     })
 }

@@ -115,6 +115,7 @@ impl Reader<'_, '_> {
             gravity: Vector3::from(GRAVITY),
             links,
             joints,
+            actuators: Vec::new(),
             notes,
         })
     }

@@ -16,6 +16,7 @@ mod unit;
 mod units;
 
 pub use arm::Robot;
+pub(crate) use arm::TEXT;
 pub use constants::{GRAVITY, LARGEST, LARGEST_GRAVITY};
 pub use coupling::{Coupling, LinearMap};
 pub use inertia::{Inertia, PARAMETERS, SYMBOLS, UNITS};

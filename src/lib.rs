@@ -57,7 +57,7 @@ pub(crate) mod output;
 
 #[doc(inline)]
 pub use tauscope_core::{
-    channels, dataset, design, diagnosis, dynamics, effects, error, excitation, identification, lane, payload, quality,
+    Log, channels, dataset, design, diagnosis, dynamics, effects, error, excitation, identification, lane, payload, quality,
     random, recording, robot, signal,
 };
 

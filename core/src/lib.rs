@@ -55,3 +55,6 @@ pub mod lane;
 pub mod channels;
 
 pub mod error;
+
+#[doc(no_inline)]
+pub use recording::Log;

@@ -3,6 +3,8 @@
 use super::about::{Role, Scope};
 use super::law::Effect;
 use crate::robot::Robot;
+use serde::ser::{Serialize, SerializeStruct, Serializer};
+use std::collections::BTreeMap;
 
 /// An effect at work on a joint, with its parameters.
 ///
@@ -15,6 +17,10 @@ use crate::robot::Robot;
 ///
 /// // Without the rise the effect is not there, whatever its shape.
 /// assert_eq!(placed.absent().parameters, [0.0, 0.15, 2.0]);
+///
+/// let json = serde_json::to_value(&placed).expect("it has a JSON form");
+/// assert_eq!((&json["effect"], &json["joint"]), (&"stribeck_friction".into(), &1.into()));
+/// assert_eq!(json["parameters"][placed.effect.parameters()[0].name], 25.0);
 /// ```
 #[derive(Clone)]
 pub struct Placed {
@@ -24,6 +30,19 @@ pub struct Placed {
     pub joint: usize,
     /// Its parameters, in the order of [`Effect::parameters`].
     pub parameters: Vec<f64>,
+}
+
+/// Its name, the index of its joint, and its parameters by name.
+impl Serialize for Placed {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let names = self.effect.parameters().iter().map(|parameter| parameter.name);
+        let parameters: BTreeMap<&str, f64> = names.zip(self.parameters.iter().copied()).collect();
+        let mut placed = serializer.serialize_struct("Placed", 3)?;
+        placed.serialize_field("effect", self.effect.about().name)?;
+        placed.serialize_field("joint", &self.joint)?;
+        placed.serialize_field("parameters", &parameters)?;
+        placed.end()
+    }
 }
 
 impl Placed {

@@ -58,9 +58,13 @@ pub struct Logs<'a> {
 /// let (without, with) = (fit(Vec::new())?, fit(vec![ripple])?);
 /// assert!(with.test_rms[1] < 0.6 * without.test_rms[1]);
 /// assert!((with.placed[0].parameters[2] - 7.0).abs() < 0.1);
+///
+/// let json = serde_json::to_value(&with).expect("it has a JSON form");
+/// assert_eq!(json["placed"][0]["effect"], "torque_ripple");
+/// assert_eq!(json["fit"]["names"].as_array().map(Vec::len), json["fit"]["estimate"]["covariance"].as_array().map(Vec::len));
 /// # Ok::<(), tauscope::error::Error>(())
 /// ```
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, serde::Serialize)]
 pub struct Fitted {
     /// Parameters with their covariance.
     pub fit: EffectFit,
@@ -70,7 +74,8 @@ pub struct Fitted {
     pub train_rms: Vec<f64>,
     /// Residual on the held-out logs; empty where there are none.
     pub test_rms: Vec<f64>,
-    /// The held-out logs row by row.
+    /// The held-out logs row by row; not serialised.
+    #[serde(skip)]
     pub test: Rows,
     /// Joints whose rows near reversals are in the fit, if they have any; those of the others show more than noise.
     pub reversals: Vec<bool>,

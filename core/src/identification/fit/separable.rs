@@ -59,7 +59,7 @@ const SETTLING: usize = 3;
 /// assert_eq!((fit.arm_units[place], fit.at_bound[place]), ("N m", false));
 /// # Ok::<(), tauscope::error::Error>(())
 /// ```
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, serde::Serialize)]
 pub struct EffectFit {
     /// Linear parameters (arm, amplitudes), then nonlinear ones, with their joint covariance.
     pub estimate: Estimate,

@@ -45,6 +45,40 @@ impl Serialize for Placed {
     }
 }
 
+/// The joint that an effect acts on, by its name: the first of a pair; zero, without a name, for the arm as a whole.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::effects::{self, Payload, StribeckFriction};
+/// use tauscope::robot::{self, InertiaCheck};
+///
+/// let arm = robot::load("../urdf/irb1600_6_120.urdf", InertiaCheck::Required)?;
+/// assert_eq!(effects::joint(&StribeckFriction, Some("joint_2"), &arm), Ok(1));
+/// assert_eq!(effects::joint(&Payload, None, &arm), Ok(0));
+/// assert!(effects::joint(&StribeckFriction, None, &arm).is_err_and(|problem| problem.contains("name one of joint_1")));
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
+///
+/// # Errors
+/// In words, for a joint that is missing, unknown or unwanted.
+pub fn joint(effect: &dyn Effect, name: Option<&str>, robot: &Robot) -> Result<usize, String> {
+    let about = effect.about();
+    match (about.scope, name) {
+        (Scope::Arm, None) => Ok(0),
+        (Scope::Arm, Some(name)) => {
+            Err(format!("`{}` acts on the arm as a whole; leave out joint `{name}`", about.name))
+        }
+        (_, None) => Err(format!("`{}` acts on a joint; name one of {}", about.name, robot.joint_names().join(", "))),
+        (scope, Some(name)) => {
+            let joint = robot.joint_index(name).map_err(|e| e.to_string())?;
+            if scope == Scope::Pair && joint + 1 == robot.dof() {
+                return Err(format!("`{}` acts on a joint and the one after it; `{name}` is the last", about.name));
+            }
+            Ok(joint)
+        }
+    }
+}
+
 impl Placed {
     /// `effect` on `joint` with its typical parameters.
     pub fn typical(effect: &'static dyn Effect, joint: usize) -> Self {

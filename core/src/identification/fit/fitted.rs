@@ -8,6 +8,8 @@ use crate::identification::model::Model;
 use crate::identification::regression::joint_regression::JointRegression;
 use crate::recording::Recording;
 use crate::robot::{Drive, Robot};
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 /// Logs to fit and logs to judge by.
 ///
@@ -145,10 +147,27 @@ pub fn fit_effects_in(
     placed: Vec<Placed>,
     kept: &[bool],
 ) -> Result<Fitted> {
+    fit_effects_until(model, trust, logs, preparation, placed, kept, None)
+}
+
+/// [`fit_effects_in`] that ends once `stop` is raised.
+///
+/// # Errors
+/// Those of [`fit_effects`], and if it is stopped.
+pub(in crate::identification) fn fit_effects_until(
+    model: &Model,
+    trust: Trust,
+    logs: Logs,
+    preparation: Preparation,
+    placed: Vec<Placed>,
+    kept: &[bool],
+    stop: Option<&Arc<AtomicBool>>,
+) -> Result<Fitted> {
     // Friction that goes with the load follows the bodies as estimated without it: they would chase each other.
     let bodies = match trust == Trust::Structure && placed.iter().any(goes_with_load) {
         true => {
-            let mut plain = EffectModel::new(model, trust, logs.train, preparation, Vec::new())?.with_reversals(kept);
+            let plain = EffectModel::new(model, trust, logs.train, preparation, Vec::new())?;
+            let mut plain = plain.with_reversals(kept).with_stop(stop);
             let found = fit(&mut plain)?;
             plain.set_baseline(&found.estimate.beta);
             plain.found_arm()
@@ -157,7 +176,7 @@ pub fn fit_effects_in(
     };
     let along = |logs, placed, kept: &[bool]| -> Result<EffectModel> {
         let model = EffectModel::new(model, trust, logs, preparation, placed)?;
-        Ok(model.with_reversals(kept).with_bodies(bodies.clone()))
+        Ok(model.with_reversals(kept).with_bodies(bodies.clone()).with_stop(stop))
     };
     let mut reversals = kept.to_vec();
     let mut training = along(logs.train, placed, &reversals)?;

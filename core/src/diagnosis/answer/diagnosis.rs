@@ -18,6 +18,26 @@ use crate::payload::Payload;
 use crate::robot::Robot;
 
 /// A delay or lag of the torque that is of the sampling.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::diagnosis::OfSampling;
+/// # use tauscope::diagnosis::Diagnosis;
+/// # use tauscope::recording;
+/// # use tauscope::robot::{self, InertiaCheck};
+/// # let robot = robot::load("../tests/reference/pendulum.urdf", InertiaCheck::Ignored)?;
+/// # let log = |name: &str| recording::load(format!("../tests/reference/pendulum/{name}.csv"), None);
+/// # let (train, test) = (log("train")?, log("test")?);
+/// # let answer = Diagnosis::of(&robot).train([&train]).test([&test]).candidates(["torque_ripple"]).run()?;
+/// # let diagnosis = answer.diagnosis().expect("the logs are good");
+///
+/// // Nothing of the kind is in these logs; where there is, the model holds it.
+/// for OfSampling { joint, seconds: [late, std] } in &diagnosis.of_sampling {
+///     println!("torque of {joint:?} comes {late} +- {std} s late");
+/// }
+/// assert!(diagnosis.of_sampling.is_empty());
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy)]
 pub struct OfSampling {
     /// The joint of a lag; None for a delay, which is of all joints.

@@ -12,6 +12,24 @@ use crate::error::Result;
 use std::borrow::Cow;
 
 /// Structure that no candidate carries.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::diagnosis::Unexplained;
+/// # use tauscope::diagnosis::Diagnosis;
+/// # use tauscope::recording;
+/// # use tauscope::robot::{self, InertiaCheck};
+/// # let robot = robot::load("../tests/reference/pendulum.urdf", InertiaCheck::Ignored)?;
+/// # let log = |name: &str| recording::load(format!("../tests/reference/pendulum/{name}.csv"), None);
+/// # let (train, test) = (log("train")?, log("test")?);
+/// # let answer = Diagnosis::of(&robot).train([&train]).test([&test]).candidates(["torque_offset"]).run()?;
+/// # let diagnosis = answer.diagnosis().expect("the logs are good");
+///
+/// // Offsets do not explain the ripple of the pivot: its residual follows something else.
+/// let left: &Unexplained = diagnosis.unexplained.first().expect("there is structure");
+/// assert!(left.joint == 0 && left.share > 0.5 && !left.structure.is_empty());
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Unexplained {
     /// The joint.
@@ -31,6 +49,25 @@ pub struct Unexplained {
 }
 
 /// Structure that a joint's training rows show, and that failed a gate.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::diagnosis::RejectedStructure;
+/// # use tauscope::diagnosis::Diagnosis;
+/// # use tauscope::recording;
+/// # use tauscope::robot::{self, InertiaCheck};
+/// # let robot = robot::load("../tests/reference/pendulum.urdf", InertiaCheck::Ignored)?;
+/// # let log = |name: &str| recording::load(format!("../tests/reference/pendulum/{name}.csv"), None);
+/// # let (train, test) = (log("train")?, log("test")?);
+/// # let answer = Diagnosis::of(&robot).train([&train]).test([&test]).candidates(["torque_ripple"]).run()?;
+/// # let diagnosis = answer.diagnosis().expect("the logs are good");
+///
+/// for RejectedStructure { joint, structure, failed } in &diagnosis.rejected_structure {
+///     println!("{}: no {structure}, {}", robot.joints[*joint].name, failed.gate.reason());
+///     assert!(!failed.passed);
+/// }
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RejectedStructure {
     /// The joint.
@@ -77,6 +114,26 @@ impl Extend<Structure> for Structure {
 }
 
 /// A member of the model that structure replaces.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::diagnosis::Replaced;
+/// # use tauscope::diagnosis::Diagnosis;
+/// # use tauscope::recording;
+/// # use tauscope::robot::{self, InertiaCheck};
+/// # let robot = robot::load("../tests/reference/pendulum.urdf", InertiaCheck::Ignored)?;
+/// # let log = |name: &str| recording::load(format!("../tests/reference/pendulum/{name}.csv"), None);
+/// # let (train, test) = (log("train")?, log("test")?);
+/// # let answer = Diagnosis::of(&robot).train([&train]).test([&test]).candidates(["torque_ripple"]).run()?;
+/// # let diagnosis = answer.diagnosis().expect("the logs are good");
+///
+/// // Structure that explains what effects were named for withdraws these.
+/// for Replaced { place, .. } in diagnosis.unexplained.iter().flat_map(|left| &left.instead_of) {
+///     assert!(diagnosis.found[*place].withdrawn.is_some());
+/// }
+/// assert!(diagnosis.found[0].withdrawn.is_none());
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Replaced {
     /// Its place in the model.

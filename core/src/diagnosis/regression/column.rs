@@ -5,6 +5,24 @@ use std::collections::BTreeSet;
 use std::ops::Range;
 
 /// A torque over the rows, `(joint, values)` for every joint on which it is not zero, in the order of the joints.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::diagnosis::Column;
+/// # use tauscope::diagnosis::Diagnosis;
+/// # use tauscope::recording;
+/// # use tauscope::robot::{self, InertiaCheck};
+/// # let robot = robot::load("../tests/reference/pendulum.urdf", InertiaCheck::Ignored)?;
+/// # let log = |name: &str| recording::load(format!("../tests/reference/pendulum/{name}.csv"), None);
+/// # let (train, test) = (log("train")?, log("test")?);
+/// # let answer = Diagnosis::of(&robot).train([&train]).test([&test]).candidates(["torque_ripple"]).run()?;
+/// # let diagnosis = answer.diagnosis().expect("the logs are good");
+///
+/// // Torque of the ripple per unit of its amplitudes, on the rows of the only joint.
+/// let columns: &[Column] = &diagnosis.found[0].member.candidate.columns;
+/// assert!(columns.iter().all(|column| column.parts.len() == 1 && column.parts[0].0 == 0));
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Column {
     /// Joints with their values.

@@ -8,6 +8,24 @@ use crate::diagnosis::model::{Candidate, Family, Member, Session, Slot};
 use crate::effects::{self, Nature};
 
 /// Another effect that explains the same.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::diagnosis::Alternative;
+/// # use tauscope::diagnosis::Diagnosis;
+/// # use tauscope::recording;
+/// # use tauscope::robot::{self, InertiaCheck};
+/// # let robot = robot::load("../tests/reference/pendulum.urdf", InertiaCheck::Ignored)?;
+/// # let log = |name: &str| recording::load(format!("../tests/reference/pendulum/{name}.csv"), None);
+/// # let (train, test) = (log("train")?, log("test")?);
+/// # let answer = Diagnosis::of(&robot).train([&train]).test([&test]).candidates(["torque_ripple"]).run()?;
+/// # let diagnosis = answer.diagnosis().expect("the logs are good");
+///
+/// // The ripple has none here; where there are, the likeliest is the first.
+/// let others: &[Alternative] = &diagnosis.found[0].alternatives;
+/// assert!(others.is_empty() && others.is_sorted_by(|a, b| a.relative_likelihood >= b.relative_likelihood));
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Alternative {
     /// What and where.
@@ -17,6 +35,25 @@ pub struct Alternative {
 }
 
 /// The best candidate of a round, which failed a gate.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::diagnosis::Rejected;
+/// # use tauscope::diagnosis::Diagnosis;
+/// # use tauscope::recording;
+/// # use tauscope::robot::{self, InertiaCheck};
+/// # let robot = robot::load("../tests/reference/pendulum.urdf", InertiaCheck::Ignored)?;
+/// # let log = |name: &str| recording::load(format!("../tests/reference/pendulum/{name}.csv"), None);
+/// # let (train, test) = (log("train")?, log("test")?);
+/// # let answer = Diagnosis::of(&robot).train([&train]).test([&test]).candidates(["torque_ripple"]).run()?;
+/// # let diagnosis = answer.diagnosis().expect("the logs are good");
+///
+/// for Rejected { failed, .. } in &diagnosis.rejected {
+///     println!("{}", failed.gate.reason());
+///     assert!(!failed.passed);
+/// }
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rejected {
     /// What and where, and in which log.

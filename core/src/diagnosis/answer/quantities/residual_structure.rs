@@ -42,6 +42,24 @@ pub struct ResidualStructure {
 }
 
 /// Shares of a residual that follow a variable of its own joint.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::diagnosis::Follows;
+/// # use tauscope::diagnosis::Diagnosis;
+/// # use tauscope::recording;
+/// # use tauscope::robot::{self, InertiaCheck};
+/// # let robot = robot::load("../tests/reference/pendulum.urdf", InertiaCheck::Ignored)?;
+/// # let log = |name: &str| recording::load(format!("../tests/reference/pendulum/{name}.csv"), None);
+/// # let (train, test) = (log("train")?, log("test")?);
+/// # let answer = Diagnosis::of(&robot).train([&train]).test([&test]).candidates(["torque_ripple"]).run()?;
+/// # let diagnosis = answer.diagnosis().expect("the logs are good");
+///
+/// // The held-out residual of the pendulum as described follows its position.
+/// let follows: Follows = diagnosis.errors.structure[0][0].follows;
+/// assert_eq!(follows.most(), ("position", follows.position));
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize)]
 #[allow(missing_docs, reason = "the names say it")]
 pub struct Follows {
@@ -53,6 +71,25 @@ pub struct Follows {
 }
 
 /// The second of the logs in which a residual is largest.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::diagnosis::Worst;
+/// # use tauscope::diagnosis::Diagnosis;
+/// # use tauscope::recording;
+/// # use tauscope::robot::{self, InertiaCheck};
+/// # let robot = robot::load("../tests/reference/pendulum.urdf", InertiaCheck::Ignored)?;
+/// # let log = |name: &str| recording::load(format!("../tests/reference/pendulum/{name}.csv"), None);
+/// # let (train, test) = (log("train")?, log("test")?);
+/// # let answer = Diagnosis::of(&robot).train([&train]).test([&test]).candidates(["torque_ripple"]).run()?;
+/// # let diagnosis = answer.diagnosis().expect("the logs are good");
+///
+/// let described = &diagnosis.errors.structure[0][0];
+/// if let Some(Worst { log, from_s, to_s, rms_nm }) = described.worst {
+///     assert!(log == 0 && from_s < to_s && rms_nm > described.rms_nm);
+/// }
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct Worst {
     /// Number of the log, from 0.

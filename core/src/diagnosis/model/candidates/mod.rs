@@ -24,6 +24,23 @@ use std::sync::Arc;
 const ROUNDING: f64 = 1e-9;
 
 /// An effect at a place with its nonlinear parameters chosen.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::diagnosis::Candidate;
+/// # use tauscope::diagnosis::Diagnosis;
+/// # use tauscope::recording;
+/// # use tauscope::robot::{self, InertiaCheck};
+/// # let robot = robot::load("../tests/reference/pendulum.urdf", InertiaCheck::Ignored)?;
+/// # let log = |name: &str| recording::load(format!("../tests/reference/pendulum/{name}.csv"), None);
+/// # let (train, test) = (log("train")?, log("test")?);
+/// # let answer = Diagnosis::of(&robot).train([&train]).test([&test]).candidates(["torque_ripple"]).run()?;
+/// # let diagnosis = answer.diagnosis().expect("the logs are good");
+///
+/// let candidate: &Candidate = &diagnosis.found[0].member.candidate;
+/// assert_eq!((candidate.joints(), candidate.log), (vec![0], None));
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Candidate {
     /// The effect; its amplitudes play no part, its departures are the sizes at which columns are taken.

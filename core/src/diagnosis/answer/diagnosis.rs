@@ -21,22 +21,13 @@ use crate::robot::Robot;
 ///
 /// ```
 /// # extern crate tauscope_core as tauscope;
-/// use tauscope::diagnosis::OfSampling;
-/// # use tauscope::diagnosis::Diagnosis;
-/// # use tauscope::recording;
-/// # use tauscope::robot::{self, InertiaCheck};
-/// # let robot = robot::load("../tests/reference/pendulum.urdf", InertiaCheck::Ignored)?;
-/// # let log = |name: &str| recording::load(format!("../tests/reference/pendulum/{name}.csv"), None);
-/// # let (train, test) = (log("train")?, log("test")?);
-/// # let answer = Diagnosis::of(&robot).train([&train]).test([&test]).candidates(["torque_ripple"]).run()?;
-/// # let diagnosis = answer.diagnosis().expect("the logs are good");
+/// use tauscope::diagnosis::{Diagnosis, OfSampling};
 ///
-/// // Nothing of the kind is in these logs; where there is, the model holds it.
-/// for OfSampling { joint, seconds: [late, std] } in &diagnosis.of_sampling {
-///     println!("torque of {joint:?} comes {late} +- {std} s late");
+/// // Lines on what sampling makes late: the whole torque, or that of a joint.
+/// fn late(diagnosis: &Diagnosis) -> Vec<String> {
+///     let line = |OfSampling { joint, seconds: [late, std] }: &OfSampling| format!("{joint:?}: {late} +- {std} s");
+///     diagnosis.of_sampling.iter().map(line).collect()
 /// }
-/// assert!(diagnosis.of_sampling.is_empty());
-/// # Ok::<(), tauscope::error::Error>(())
 /// ```
 #[derive(Debug, Clone, Copy)]
 pub struct OfSampling {

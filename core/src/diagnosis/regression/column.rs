@@ -8,20 +8,13 @@ use std::ops::Range;
 ///
 /// ```
 /// # extern crate tauscope_core as tauscope;
-/// use tauscope::diagnosis::Column;
-/// # use tauscope::diagnosis::Diagnosis;
-/// # use tauscope::recording;
-/// # use tauscope::robot::{self, InertiaCheck};
-/// # let robot = robot::load("../tests/reference/pendulum.urdf", InertiaCheck::Ignored)?;
-/// # let log = |name: &str| recording::load(format!("../tests/reference/pendulum/{name}.csv"), None);
-/// # let (train, test) = (log("train")?, log("test")?);
-/// # let answer = Diagnosis::of(&robot).train([&train]).test([&test]).candidates(["torque_ripple"]).run()?;
-/// # let diagnosis = answer.diagnosis().expect("the logs are good");
+/// use tauscope::diagnosis::{Column, Diagnosis};
 ///
-/// // Torque of the ripple per unit of its amplitudes, on the rows of the only joint.
-/// let columns: &[Column] = &diagnosis.found[0].member.candidate.columns;
-/// assert!(columns.iter().all(|column| column.parts.len() == 1 && column.parts[0].0 == 0));
-/// # Ok::<(), tauscope::error::Error>(())
+/// // Joints on which an effect found has torque.
+/// fn joints(diagnosis: &Diagnosis) -> Vec<usize> {
+///     let columns = diagnosis.found.iter().flat_map(|found| found.member.candidate.columns.iter());
+///     columns.flat_map(|Column { parts, .. }| parts.iter().map(|(joint, _)| *joint)).collect()
+/// }
 /// ```
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Column {

@@ -11,20 +11,16 @@ use crate::effects::{self, Nature};
 ///
 /// ```
 /// # extern crate tauscope_core as tauscope;
-/// use tauscope::diagnosis::Alternative;
-/// # use tauscope::diagnosis::Diagnosis;
-/// # use tauscope::recording;
-/// # use tauscope::robot::{self, InertiaCheck};
-/// # let robot = robot::load("../tests/reference/pendulum.urdf", InertiaCheck::Ignored)?;
-/// # let log = |name: &str| recording::load(format!("../tests/reference/pendulum/{name}.csv"), None);
-/// # let (train, test) = (log("train")?, log("test")?);
-/// # let answer = Diagnosis::of(&robot).train([&train]).test([&test]).candidates(["torque_ripple"]).run()?;
-/// # let diagnosis = answer.diagnosis().expect("the logs are good");
+/// use tauscope::diagnosis::{Alternative, Diagnosis};
 ///
-/// // The ripple has none here; where there are, the likeliest is the first.
-/// let others: &[Alternative] = &diagnosis.found[0].alternatives;
-/// assert!(others.is_empty() && others.is_sorted_by(|a, b| a.relative_likelihood >= b.relative_likelihood));
-/// # Ok::<(), tauscope::error::Error>(())
+/// // What else the effects found may be, the likeliest first.
+/// fn others(diagnosis: &Diagnosis) -> Vec<String> {
+///     let all = diagnosis.found.iter().flat_map(|found| &found.alternatives);
+///     let line = |Alternative { family, relative_likelihood }: &Alternative| {
+///         format!("{} on joint {}: {relative_likelihood}", family.effect, family.joint)
+///     };
+///     all.map(line).collect()
+/// }
 /// ```
 #[derive(Debug, Clone)]
 pub struct Alternative {
@@ -38,21 +34,15 @@ pub struct Alternative {
 ///
 /// ```
 /// # extern crate tauscope_core as tauscope;
-/// use tauscope::diagnosis::Rejected;
-/// # use tauscope::diagnosis::Diagnosis;
-/// # use tauscope::recording;
-/// # use tauscope::robot::{self, InertiaCheck};
-/// # let robot = robot::load("../tests/reference/pendulum.urdf", InertiaCheck::Ignored)?;
-/// # let log = |name: &str| recording::load(format!("../tests/reference/pendulum/{name}.csv"), None);
-/// # let (train, test) = (log("train")?, log("test")?);
-/// # let answer = Diagnosis::of(&robot).train([&train]).test([&test]).candidates(["torque_ripple"]).run()?;
-/// # let diagnosis = answer.diagnosis().expect("the logs are good");
+/// use tauscope::diagnosis::{Diagnosis, Rejected};
 ///
-/// for Rejected { failed, .. } in &diagnosis.rejected {
-///     println!("{}", failed.gate.reason());
-///     assert!(!failed.passed);
+/// // What came close to being found, and why it was not.
+/// fn close(diagnosis: &Diagnosis) -> Vec<String> {
+///     let line = |Rejected { slot: (family, _), failed }: &Rejected| {
+///         format!("{}: {}", family.effect, failed.gate.reason())
+///     };
+///     diagnosis.rejected.iter().map(line).collect()
 /// }
-/// # Ok::<(), tauscope::error::Error>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rejected {

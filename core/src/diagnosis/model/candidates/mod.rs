@@ -27,19 +27,13 @@ const ROUNDING: f64 = 1e-9;
 ///
 /// ```
 /// # extern crate tauscope_core as tauscope;
-/// use tauscope::diagnosis::Candidate;
-/// # use tauscope::diagnosis::Diagnosis;
-/// # use tauscope::recording;
-/// # use tauscope::robot::{self, InertiaCheck};
-/// # let robot = robot::load("../tests/reference/pendulum.urdf", InertiaCheck::Ignored)?;
-/// # let log = |name: &str| recording::load(format!("../tests/reference/pendulum/{name}.csv"), None);
-/// # let (train, test) = (log("train")?, log("test")?);
-/// # let answer = Diagnosis::of(&robot).train([&train]).test([&test]).candidates(["torque_ripple"]).run()?;
-/// # let diagnosis = answer.diagnosis().expect("the logs are good");
+/// use tauscope::diagnosis::{Candidate, Diagnosis};
 ///
-/// let candidate: &Candidate = &diagnosis.found[0].member.candidate;
-/// assert_eq!((candidate.joints(), candidate.log), (vec![0], None));
-/// # Ok::<(), tauscope::error::Error>(())
+/// // The log in which an effect was found that acts in one only, by its place among the training logs.
+/// fn log_of_first(diagnosis: &Diagnosis) -> Option<usize> {
+///     let candidate: &Candidate = &diagnosis.found.first()?.member.candidate;
+///     candidate.log
+/// }
 /// ```
 #[derive(Debug, Clone)]
 pub struct Candidate {

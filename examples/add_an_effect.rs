@@ -9,11 +9,7 @@ use tauscope::effects::{
     About, Along, Effect, Hidden, Instant, Nature, Parameter, Placed, Role, Scope, Site, contribution,
 };
 use tauscope::error::Result;
-use tauscope::identification::effect_model::{Preparation, Trust};
-use tauscope::identification::fit::{Logs, fit_effects};
-use tauscope::identification::model::Model;
-use tauscope::identification::reversals::Band;
-use tauscope::identification::smoothing_choice;
+use tauscope::identification::Identification;
 use tauscope::robot::Unit;
 use tauscope::scenario::Setup;
 use tauscope::study::testbed;
@@ -92,12 +88,9 @@ fn main() -> Result<()> {
     });
 
     // The log determines what was hidden, together with the arm's base parameters and friction.
-    let (train, test) = ([&logs[0]], [&logs[1]]);
-    let logs = Logs { train: &train, test: &test };
-    let preparation = Preparation { smoothing: smoothing_choice::savitzky_golay(&train)?, band: Band::OfNoise };
-    let model = Model::new(&setup.known);
-    let without = fit_effects(&model, Trust::Structure, logs, preparation, Vec::new())?;
-    let with = fit_effects(&model, Trust::Structure, logs, preparation, vec![Placed::typical(&RubberStop, 1)])?;
+    let stop = Placed::typical(&RubberStop, 1);
+    let found = Identification::of(&setup.known).train(&logs[..1]).test(&logs[1..]).effects([stop]).run()?;
+    let (without, with) = (&found.without_effects, found.fitted());
     println!(
         "held-out residual of joint 2: {:.3} N m without the stop, {:.3} with it",
         without.test_rms[1], with.test_rms[1]

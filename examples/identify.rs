@@ -6,11 +6,7 @@
 use std::path::PathBuf;
 use tauscope::dataset;
 use tauscope::error::{Error, Result};
-use tauscope::identification::effect_model::{Preparation, Trust};
-use tauscope::identification::fit::{self, fit_effects};
-use tauscope::identification::reversals::Band;
-use tauscope::identification::{consistent, equations, smoothing_choice};
-use tauscope::recording::Recording;
+use tauscope::identification::Identification;
 use tauscope::robot::{self, InertiaCheck};
 
 fn main() -> Result<()> {
@@ -19,26 +15,20 @@ fn main() -> Result<()> {
         return Err(Error::request("arguments", "give a URDF, a training log, and test logs if there are any"));
     };
     let robot = robot::load(urdf, InertiaCheck::Ignored)?;
-    let train = dataset::read(train, &robot)?.recording;
-    let test: Vec<Recording> = dataset::read_all(test, &robot)?.into_iter().map(|(_, read)| read.recording).collect();
 
-    // Positions are smoothed as their own noise asks for; samples in which a joint's direction is uncertain do not count.
-    let train = [&train];
-    let test: Vec<&Recording> = test.iter().collect();
-    let preparation = Preparation { smoothing: smoothing_choice::savitzky_golay(&train)?, band: Band::OfNoise };
-    let logs = fit::Logs { train: &train, test: &test };
+    // Faults of the logs are noted, and corrected where that is beyond doubt. From arrays: `tauscope::Log::new(&robot, t, q, tau)?`.
+    let read = |files| dataset::read_all(files, &robot);
+    let logs = dataset::ready([read(std::slice::from_ref(train))?, read(test)?], &robot)?;
+    let found = Identification::of(&robot).train(&logs.train).test(&logs.test).run()?;
 
-    // Joints without torque in the logs, or that stand still, have no equation.
-    let equations::Observed { model, notes } = equations::observed(&robot, logs, preparation, Trust::Structure)?;
-    notes.iter().for_each(|note| println!("{note}"));
-    let fitted = fit_effects(&model, Trust::Structure, logs, preparation, Vec::new())?;
-    for (joint, spec) in robot.joints.iter().enumerate() {
+    logs.notes.iter().chain(&found.notes).for_each(|note| println!("{note}"));
+    let fitted = found.fitted();
+    for (joint, (name, unit)) in found.joints.iter().zip(&found.effort_units).enumerate() {
         let held_out = fitted.test_rms.get(joint).map_or(String::new(), |rms| format!(", held out {rms:.4}"));
-        println!("{}: residual {:.4}{held_out} {}", spec.name, fitted.train_rms[joint], spec.effort_unit());
+        println!("{name}: residual {:.4}{held_out} {unit}", fitted.train_rms[joint]);
     }
     // Base parameters are what the torque determines; bodies that can exist share them out.
-    let identified = consistent::consistent(&model, logs, preparation, &fitted)?.robot(&robot);
-    std::fs::write("identified.urdf", robot::with_parameters(&identified)?)
+    std::fs::write("identified.urdf", robot::with_parameters(&found.robot)?)
         .map_err(|error| Error::io("identified.urdf", "write the robot", error))?;
     println!("identified.urdf is written");
     Ok(())

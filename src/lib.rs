@@ -57,8 +57,8 @@ pub(crate) mod output;
 
 #[doc(inline)]
 pub use tauscope_core::{
-    channels, dataset, design, diagnosis, dynamics, effects, error, excitation, identification, lane, payload, quality,
-    random, recording, robot, signal,
+    Log, channels, dataset, design, diagnosis, dynamics, effects, error, excitation, identification, lane, payload,
+    quality, random, recording, robot, signal,
 };
 
 pub(crate) use tauscope_core::internal;

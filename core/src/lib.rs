@@ -7,6 +7,31 @@
 //! Programs use it through the crate `tauscope`, which has all of it under the same paths and adds simulator, studies,
 //! reports and the command. Conventions are written down there.
 //!
+//! # From arrays to an answer
+//! ```
+//! # extern crate tauscope_core as tauscope;
+//! use tauscope::Log;
+//! use tauscope::diagnosis::Diagnosis;
+//! use tauscope::identification::Identification;
+//! use tauscope::robot::Robot;
+//! # use tauscope::error::Result;
+//!
+//! # fn question(urdf: &str, t: &[f64], q: &[Vec<f64>], qd: &[Vec<f64>], tau: &[Vec<f64>]) -> Result<()> {
+//! // Times, s; positions, velocities and torques, one array per joint: rad, rad/s, N m.
+//! let robot = Robot::from_urdf_str(urdf)?;
+//! let log = Log::new(&robot, t, q, tau)?.velocities(qd)?;
+//!
+//! // What does the model of the arm miss?
+//! let answer = Diagnosis::of(&robot).train([&log]).run()?;
+//! println!("{:?}", answer.verdict());
+//!
+//! // Its parameters, with the friction of joint j2 that falls with speed.
+//! let found = Identification::of(&robot).train([&log]).effects(["stribeck_friction:j2"]).run()?;
+//! println!("{} {:?}", found.joints[1], found.robot.joints[1].drive);
+//! # Ok(())
+//! # }
+//! ```
+//!
 //! Logs as Parquet files and as ROS 2 bags are read and written with the features `parquet` and `bags`. A simulator takes
 //! part through [`diagnosis::Simulator`].
 //!
@@ -55,3 +80,6 @@ pub mod lane;
 pub mod channels;
 
 pub mod error;
+
+#[doc(no_inline)]
+pub use recording::Log;

@@ -47,10 +47,10 @@ pub(crate) fn hold(
     let tau = tau.map_or_else(|| Ok(missing()), |tau| signals("tau", &tau, count))?;
     let mut log = Recording::new(joints, time, signals("q", &q, count)?, tau).map_err(|error| raised(&error))?;
     if let Some(qd) = qd {
-        log = log.with_velocities(signals("qd", &qd, count)?).map_err(|error| raised(&error))?;
+        log = log.velocities(signals("qd", &qd, count)?).map_err(|error| raised(&error))?;
     }
     if let Some(qdd) = qdd {
-        log = log.with_accelerations(signals("qdd", &qdd, count)?).map_err(|error| raised(&error))?;
+        log = log.accelerations(signals("qdd", &qdd, count)?).map_err(|error| raised(&error))?;
     }
     memory::Held::new(name, log).map(Held).map_err(|error| raised(&error))
 }

@@ -214,11 +214,17 @@ def montecarlo(
     noise_levels: Sequence[float | tuple[float, float]] | None = None,
     trial: int | None = None,
     resume: bool = False,
+    shard: str | tuple[int, int] | None = None,
+    shards: int | None = None,
     seed: int | None = None,
     out: PathLike | None = None,
 ) -> Answer:
     """Repeats the identification on many draws of noise, plants or motions. ``noise_levels`` are encoder noise in rad, or pairs with torque
-    noise in N m."""
+    noise in N m.
+
+    ``shard`` is one part of the study alone, ``(0, 4)`` or "0/4" for the first of four; in an array job of Slurm or Kubernetes it is
+    that of the environment, and ``shards`` the number of parts where the scheduler does not give it. ``command("montecarlo", "merge",
+    "a", "b")`` joins the ``out`` folders of the parts."""
     call = Call("montecarlo")
     call.options(
         trials=trials,
@@ -228,6 +234,8 @@ def montecarlo(
         noise_levels=_list("noise_levels", noise_levels),
         trial=trial,
         resume=resume,
+        shard=_shard(shard),
+        shards=shards,
     )
     call.arguments.append(call.scenario(scenario))
     return call.run(out, seed)
@@ -323,6 +331,15 @@ def command(*arguments: str | os.PathLike[str], out: PathLike | None = None) -> 
 def _time(time: float | str | None) -> str | None:
     """A time as the command line takes it; a number is in seconds."""
     return f"{time!r}s" if isinstance(time, (int, float)) else time
+
+
+def _shard(shard: str | tuple[int, int] | None) -> str | None:
+    """A part of a study as the command line takes it."""
+    if shard is None or isinstance(shard, str):
+        return shard
+    if len(shard) != 2:
+        raise TauscopeError('shard: give (part, parts), as (0, 4), or "0/4"')
+    return f"{shard[0]}/{shard[1]}"
 
 
 def _list(name: str, values: Any) -> list[Any] | None:

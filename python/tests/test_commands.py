@@ -130,6 +130,21 @@ def test_montecarlo(command, tmp_path):
     assert without(found.to_dict(), CLOCKS) == without(wanted, CLOCKS)
 
 
+def test_montecarlo_in_parts(command, tmp_path):
+    scenario = ROOT / "tests" / "scenarios" / "montecarlo.toml"
+    wanted = command("montecarlo", scenario, "--trials", "3", "--estimators", "ols", "--shard", "1/2", "--out", tmp_path / "wanted")
+    options = dict(trials=3, estimators=["ols"])
+    found = tauscope.montecarlo(scenario, shard=(1, 2), out=tmp_path / "b", **options)
+    assert without(found.to_dict(), CLOCKS) == without(wanted, CLOCKS)
+    tauscope.montecarlo(scenario, shard="0/2", out=tmp_path / "a", **options)
+    merged = tauscope.command("montecarlo", "merge", tmp_path / "a", tmp_path / "b")
+    whole = tauscope.montecarlo(scenario, **options)
+    assert without(merged.to_dict(), CLOCKS) == without(whole.to_dict(), CLOCKS)
+    for refused, words in [(dict(shard=(2, 2)), "no part 2 of 2"), (dict(shard=(1,)), "shard: give"), (dict(shards=2), "no part of an array job")]:
+        with pytest.raises(tauscope.TauscopeError, match=words):
+            tauscope.montecarlo(scenario, **refused, **options)
+
+
 def test_check(command, tmp_path):
     baseline = tmp_path / "baseline.json"
     command("check", SHORT, "--baseline", baseline, "--update", "--trials", "2")

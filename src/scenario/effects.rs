@@ -1,6 +1,6 @@
 //! `[[effect]]` tables: effects by name, joint and parameters.
 
-use crate::effects::{self, Effect, Parameter, Placed, Scope, did_you_mean};
+use crate::effects::{self, Effect, Parameter, Placed, did_you_mean, joint};
 use crate::robot::Robot;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -49,28 +49,6 @@ impl EffectSpec {
             placed.parameters[index] = value;
         }
         Ok(placed)
-    }
-}
-
-/// The joint an effect of this scope acts on.
-///
-/// # Errors
-/// In words, for a joint that is missing, unknown or unwanted.
-pub fn joint(effect: &dyn Effect, name: Option<&str>, robot: &Robot) -> Result<usize, String> {
-    let about = effect.about();
-    match (about.scope, name) {
-        (Scope::Arm, None) => Ok(0),
-        (Scope::Arm, Some(name)) => {
-            Err(format!("`{}` acts on the arm as a whole; leave out joint `{name}`", about.name))
-        }
-        (_, None) => Err(format!("`{}` acts on a joint; name one of {}", about.name, robot.joint_names().join(", "))),
-        (scope, Some(name)) => {
-            let joint = robot.joint_index(name).map_err(|e| e.to_string())?;
-            if scope == Scope::Pair && joint + 1 == robot.dof() {
-                return Err(format!("`{}` acts on a joint and the one after it; `{name}` is the last", about.name));
-            }
-            Ok(joint)
-        }
     }
 }
 

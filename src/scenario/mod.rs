@@ -16,7 +16,7 @@ mod written;
 
 pub use crate::diagnosis::Measured;
 pub use arm::Arm;
-pub use effects::{EffectSpec, joint as effect_joint};
+pub use effects::EffectSpec;
 pub use montecarlo::{MonteCarloSpec, NoiseLevel};
 pub(crate) use motions::drawable;
 pub use run::{measure, sensed, simulate, simulate_with};

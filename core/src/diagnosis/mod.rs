@@ -33,19 +33,21 @@ mod watch;
 
 pub use answer::{
     Answer, Conclusion, DIAGNOSIS_SCHEMA, Derived, Diagnosis, DiagnosisBuilder, EXTENDED_MJCF, EXTENDED_SCENARIO,
-    EXTENDED_URDF, Engine, Errors, ExtendedModel, Finding, Followed, Gain, LogSummary, Measured, NamedAlternative,
-    NamedParameter, Outcome, ResidualStructure, Resimulation, Scope, Share, Simulator,
+    EXTENDED_URDF, Engine, Errors, Evidence, ExtendedModel, Finding, Followed, Follows, Gain, LogSummary, Measured,
+    NamedAlternative, NamedParameter, NotFound, OfSampling, Outcome, ResidualStructure, Resimulation, Scope, Share,
+    Simulator, Worst,
 };
 pub use criteria::{
     ComparisonCriteria, Criteria, EstimateCriteria, Gate, Judgement, Levels, SearchCriteria, StructureCriteria,
     VerdictCriteria,
 };
 pub use evidence::{Play, Ranked};
-pub use lack_of_fit::LOGS_DISAGREE;
-pub use logs::{CleanLogs, Consequence, DataFault, GivenLog, Screened, screen};
-pub use model::Family;
+pub use lack_of_fit::{LOGS_DISAGREE, RejectedStructure, Replaced, Unexplained};
+pub use logs::{CleanLogs, Consequence, DataFault, GivenLog, LowPass, Screened, screen};
+pub use model::{Candidate, Family, Member};
+pub use regression::Column;
 pub use relevance::Minor;
-pub use search::{Found, Verdict};
+pub use search::{Alternative, Found, Rejected, Verdict};
 pub use variance::{JointMap, Kind, Line, Part, ResidualMap};
 pub use watch::Progress;
 

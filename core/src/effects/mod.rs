@@ -56,7 +56,7 @@ pub(crate) use gear_train::{GearTrain, behind_gears, unsmoothed};
 pub use gears::{Backlash, JointCoupling, JointElasticity};
 pub(crate) use grid::{Extent, as_size, moved};
 pub use law::{Effect, Instant};
-pub use placed::Placed;
+pub use placed::{Placed, joint};
 pub use rounding::Rounding;
 pub(crate) use search::varies_by_factors;
 pub use search::{Derived, DriveParameter, Search};

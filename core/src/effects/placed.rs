@@ -3,6 +3,8 @@
 use super::about::{Role, Scope};
 use super::law::Effect;
 use crate::robot::Robot;
+use serde::ser::{Serialize, SerializeStruct, Serializer};
+use std::collections::BTreeMap;
 
 /// An effect at work on a joint, with its parameters.
 ///
@@ -15,6 +17,10 @@ use crate::robot::Robot;
 ///
 /// // Without the rise the effect is not there, whatever its shape.
 /// assert_eq!(placed.absent().parameters, [0.0, 0.15, 2.0]);
+///
+/// let json = serde_json::to_value(&placed).expect("it has a JSON form");
+/// assert_eq!((&json["effect"], &json["joint"]), (&"stribeck_friction".into(), &1.into()));
+/// assert_eq!(json["parameters"][placed.effect.parameters()[0].name], 25.0);
 /// ```
 #[derive(Clone)]
 pub struct Placed {
@@ -24,6 +30,53 @@ pub struct Placed {
     pub joint: usize,
     /// Its parameters, in the order of [`Effect::parameters`].
     pub parameters: Vec<f64>,
+}
+
+/// Its name, the index of its joint, and its parameters by name.
+impl Serialize for Placed {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let names = self.effect.parameters().iter().map(|parameter| parameter.name);
+        let parameters: BTreeMap<&str, f64> = names.zip(self.parameters.iter().copied()).collect();
+        let mut placed = serializer.serialize_struct("Placed", 3)?;
+        placed.serialize_field("effect", self.effect.about().name)?;
+        placed.serialize_field("joint", &self.joint)?;
+        placed.serialize_field("parameters", &parameters)?;
+        placed.end()
+    }
+}
+
+/// The joint that an effect acts on, by its name: the first of a pair; zero, without a name, for the arm as a whole.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::effects::{self, Payload, StribeckFriction};
+/// use tauscope::robot::{self, InertiaCheck};
+///
+/// let arm = robot::load("../urdf/irb1600_6_120.urdf", InertiaCheck::Required)?;
+/// assert_eq!(effects::joint(&StribeckFriction, Some("joint_2"), &arm), Ok(1));
+/// assert_eq!(effects::joint(&Payload, None, &arm), Ok(0));
+/// assert!(effects::joint(&StribeckFriction, None, &arm).is_err_and(|problem| problem.contains("name one of joint_1")));
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
+///
+/// # Errors
+/// In words, for a joint that is missing, unknown or unwanted.
+pub fn joint(effect: &dyn Effect, name: Option<&str>, robot: &Robot) -> Result<usize, String> {
+    let about = effect.about();
+    match (about.scope, name) {
+        (Scope::Arm, None) => Ok(0),
+        (Scope::Arm, Some(name)) => {
+            Err(format!("`{}` acts on the arm as a whole; leave out joint `{name}`", about.name))
+        }
+        (_, None) => Err(format!("`{}` acts on a joint; name one of {}", about.name, robot.joint_names().join(", "))),
+        (scope, Some(name)) => {
+            let joint = robot.joint_index(name).map_err(|e| e.to_string())?;
+            if scope == Scope::Pair && joint + 1 == robot.dof() {
+                return Err(format!("`{}` acts on a joint and the one after it; `{name}` is the last", about.name));
+            }
+            Ok(joint)
+        }
+    }
 }
 
 impl Placed {

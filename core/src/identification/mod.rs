@@ -2,6 +2,7 @@
 //!
 //! | room | in | out |
 //! |---|---|---|
+//! | `answer` | arm, logs, options | the identified arm, fits, bodies, notes |
 //! | `physical` | fitted parameters | the nearest bodies that can exist |
 //! | [`fit`] | arm, logs, effects | parameters of arm and effects, residuals |
 //! | `estimators` | rows of a simulation | parameters by each estimator |
@@ -14,6 +15,7 @@
 //!
 //! Each room imports only from rooms below it.
 
+mod answer;
 pub mod effect_model;
 pub(crate) mod estimators;
 pub mod fit;
@@ -24,6 +26,7 @@ mod physical;
 mod preparation;
 mod regression;
 
+pub use answer::{Identification, IdentificationBuilder, Progress, Wanted};
 pub use fit::equations;
 pub use model::fused;
 pub(crate) use model::{linear_model, standard};

@@ -65,8 +65,8 @@ impl Held {
     /// use tauscope::recording::Recording;
     ///
     /// let signal = |scale: f64| Channels::from_vectors(&[(0..100).map(|k| (scale * f64::from(k)).sin()).collect()]);
-    /// let time = (0..100).map(|k| 0.01 * f64::from(k)).collect();
-    /// let log = Recording::new(vec!["elbow".into()], time, signal(0.1), signal(0.2))?;
+    /// let time: Vec<f64> = (0..100).map(|k| 0.01 * f64::from(k)).collect();
+    /// let log = Recording::new(["elbow"], time, signal(0.1), signal(0.2))?;
     ///
     /// let held = Held::new("monday", log)?;
     /// assert_eq!(held.path().to_str(), Some("<monday>"));

@@ -1,7 +1,8 @@
 //! Recordings: the signals of all joints of an arm over time.
 
+use super::arrays::{JointArrays, Joints};
 use crate::channels::Channels;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use std::collections::BTreeMap;
 use std::ops::{Range, RangeBounds};
 use std::sync::Arc;
@@ -70,6 +71,19 @@ pub struct Recording {
     pub provenance: BTreeMap<String, String>,
 }
 
+/// [`Recording`] by the name that users of arrays look for: [`Log::new`](Recording::new).
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::Log;
+///
+/// let (t, q, tau) = ([0.0, 0.01, 0.02], [[0.0, 0.1, 0.2]], [[1.0, 1.1, 1.2]]);
+/// let log = Log::new(["elbow"], t, q, tau)?;
+/// assert_eq!((log.joints(), log.rate_hz().round()), (1, 100.0));
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
+pub type Log = Recording;
+
 impl Signals {
     /// The samples of `range` of every signal.
     ///
@@ -86,62 +100,60 @@ impl Signals {
 }
 
 impl Recording {
-    /// A log of positions and torques, one channel per joint. Velocities and accelerations may follow:
-    /// [`Recording::with_velocities`], [`Recording::with_accelerations`].
+    /// A log of positions and torques. `joints` is the robot, or the names of its joints from base to flange. `time` has the time of
+    /// every sample, s, increasing. `q` and `tau` have one array per joint and one value per sample: positions, rad or m, and the torques
+    /// that the motors deliver at the joints, N m or N. A torque that was not measured is not a number. Measured velocities and
+    /// accelerations may follow: [`Recording::velocities`], [`Recording::accelerations`].
     ///
     /// ```
     /// # extern crate tauscope_core as tauscope;
-    /// use tauscope::channels::Channels;
-    /// use tauscope::recording::Recording;
+    /// use tauscope::Log;
+    /// use tauscope::robot::{self, InertiaCheck};
     ///
-    /// let (time, two) = (vec![0.0, 0.01, 0.02], Channels::zeros(2, 3));
-    /// let names = || vec!["hip".to_owned(), "knee".to_owned()];
-    /// let log = Recording::new(names(), time.clone(), two.clone(), two.clone())?.with_velocities(two.clone())?;
-    /// assert_eq!((log.joints(), log.samples()), (2, 3));
+    /// let robot = robot::load("../tests/reference/payload/arm.urdf", InertiaCheck::Ignored)?;
+    /// let t: Vec<f64> = (0..100).map(|k| 0.01 * f64::from(k)).collect();
+    /// let wave = |rate: f64| -> Vec<f64> { t.iter().map(|t| (rate * t).sin()).collect() };
+    /// let (q, qd, tau) = (vec![wave(1.0); 5], vec![wave(2.0); 5], vec![wave(3.0); 5]);
     ///
-    /// let refused = Recording::new(names(), time, two, Channels::zeros(1, 3)).unwrap_err();
-    /// assert_eq!(refused.to_string(), "tau: has 1 joint of 3 samples; 2 joints of 3 samples are wanted");
+    /// let log = Log::new(&robot, &t, &q, &tau)?.velocities(&qd)?;
+    /// assert_eq!((log.joints(), log.samples()), (5, 100));
+    ///
+    /// let refused = Log::new(&robot, &t, &q, &tau[..4]).unwrap_err();
+    /// assert_eq!(refused.to_string(), "tau: has 4 joints of 100 samples; 5 joints of 100 samples are wanted");
     /// # Ok::<(), tauscope::error::Error>(())
     /// ```
     ///
     /// # Errors
-    /// Signals of another shape than one channel per joint and one sample per time.
-    pub fn new(joints: Vec<String>, time: Vec<f64>, q: Channels, tau: Channels) -> Result<Self> {
-        let recording = Recording { joints, time, q, tau, ..Recording::default() };
-        recording.check("q", &recording.q)?;
-        recording.check("tau", &recording.tau)?;
-        Ok(recording)
+    /// An array that has not one signal per joint and one value per time: the array, the joint where one alone differs, its length and
+    /// the one that is wanted.
+    pub fn new(
+        joints: impl Into<Joints>,
+        time: impl AsRef<[f64]>,
+        q: impl Into<JointArrays>,
+        tau: impl Into<JointArrays>,
+    ) -> Result<Self> {
+        let Joints { robot, names } = joints.into();
+        let time = time.as_ref().to_vec();
+        let [q, tau] = [(q.into(), "q"), (tau.into(), "tau")].map(|(own, name)| own.checked(name, &names, time.len()));
+        Ok(Recording { q: q?, tau: tau?, robot, joints: names, time, ..Recording::default() })
     }
 
-    /// The log with measured velocities.
+    /// The log with measured velocities, rad/s or m/s: one array per joint and one value per sample.
     ///
     /// # Errors
     /// Those of [`Recording::new`].
-    pub fn with_velocities(self, qd: Channels) -> Result<Self> {
-        self.check("qd", &qd)?;
-        Ok(Recording { qd: Some(qd), ..self })
+    pub fn velocities(self, qd: impl Into<JointArrays>) -> Result<Self> {
+        let qd = Some(qd.into().checked("qd", &self.joints, self.samples())?);
+        Ok(Recording { qd, ..self })
     }
 
-    /// The log with measured accelerations.
+    /// The log with measured accelerations, rad/s² or m/s²: one array per joint and one value per sample.
     ///
     /// # Errors
     /// Those of [`Recording::new`].
-    pub fn with_accelerations(self, qdd: Channels) -> Result<Self> {
-        self.check("qdd", &qdd)?;
-        Ok(Recording { qdd: Some(qdd), ..self })
-    }
-
-    fn check(&self, name: &str, signals: &Channels) -> Result<()> {
-        let shape = |joints: usize, samples: usize| {
-            let count = |number: usize, what: &str| format!("{number} {what}{}", if number == 1 { "" } else { "s" });
-            format!("{} of {}", count(joints, "joint"), count(samples, "sample"))
-        };
-        let (found, wanted) = ((signals.channels(), signals.samples()), (self.joints(), self.samples()));
-        if found != wanted {
-            let problem = format!("has {}; {} are wanted", shape(found.0, found.1), shape(wanted.0, wanted.1));
-            return Err(Error::request(name, problem));
-        }
-        Ok(())
+    pub fn accelerations(self, qdd: impl Into<JointArrays>) -> Result<Self> {
+        let qdd = Some(qdd.into().checked("qdd", &self.joints, self.samples())?);
+        Ok(Recording { qdd, ..self })
     }
 
     /// Whether the joints are called by number alone: `joint_1` and so on.

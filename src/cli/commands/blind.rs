@@ -1,14 +1,14 @@
 //! `tauscope blind`: hide effects in simulated arms and count how often the diagnosis names them.
 
 use crate::cli::shared::{DONE, FAILED, Global, interrupt, print, progress, trust};
-use crate::effects::{Placed, Scope, find};
+use crate::effects::{self, Placed, Scope, find};
 use crate::error::{Error, Result};
 use crate::identification::effect_model::Trust;
 use crate::output::ResultFolder;
 use crate::recording::csv;
 use crate::report::blind::{self as report, BlindResult, SCHEMA};
 use crate::robot::to_urdf;
-use crate::scenario::{Setup, effect_joint};
+use crate::scenario::Setup;
 use crate::study::blind::journal::{Identity, Journal};
 use crate::study::blind::motion::TRAIN;
 use crate::study::blind::row::Row;
@@ -214,7 +214,7 @@ fn hidden(wanted: &str, setup: &Setup, index: u64) -> Result<Option<Placed>> {
     let joint = match (effect.about().scope, joint) {
         (Scope::Joint, None) => index as usize % dof,
         (Scope::Pair, None) => index as usize % (dof - 1).max(1),
-        _ => effect_joint(effect, joint, &setup.known).map_err(|problem| Error::request(wanted, problem))?,
+        _ => effects::joint(effect, joint, &setup.known).map_err(|problem| Error::request(wanted, problem))?,
     };
     Ok(Some(Placed::typical(effect, joint)))
 }

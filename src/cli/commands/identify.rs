@@ -1,25 +1,22 @@
 //! `tauscope identify`: fit an arm's parameters, and named effects, to logs.
 
-use crate::cli::shared::{ArmArguments, DONE, Global, LogArguments, corrected, print, progress, trust};
+use crate::cli::shared::{ArmArguments, DONE, Global, LogArguments, corrected, interrupt, print, progress, trust};
 use crate::dataset::arm::LoggedArm;
 use crate::dataset::{self, Dataset, Logs};
 use crate::diagnosis::Followed;
-use crate::effects::{self, Placed, Scope};
 use crate::error::{Error, Result};
-use crate::identification::consistent;
 use crate::identification::effect_model::{Preparation, Trust};
-use crate::identification::equations;
-use crate::identification::fit::{self, fit_effects, fit_effects_in};
-use crate::identification::model::Model;
+use crate::identification::fit;
 use crate::identification::prepare::Smoothing;
 use crate::identification::reversals::Band;
 use crate::identification::smoothing_choice::{usual_block, usual_window};
+use crate::identification::{Identification, Progress, Wanted};
 use crate::output::ResultFolder;
 use crate::recording::Recording;
 use crate::report::fit::{self as report, SCHEMA};
 use crate::report::viewer;
 use crate::robot::{self, Robot};
-use crate::scenario::{Setup, effect_joint};
+use crate::scenario::Setup;
 use crate::study::{replay, testbed};
 use std::path::PathBuf;
 
@@ -79,7 +76,7 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     let simulates = dataset.is_none() && arguments.logs.train.is_empty() && setup.is_some();
     let reading = if simulates { 0 } else { READING };
     let fits = if arguments.effect.is_empty() { FIT } else { FIT + WITH_EFFECTS };
-    place(&arguments.effect, arm.robot(), None)?;
+    arguments.effect.iter().try_for_each(|effect| Wanted::from(effect).check(arm.robot()))?;
     let mut stages = progress::Stages::new(global, &[reading, fits, FIT, SIMULATING]);
     stages.begin("reading the logs");
     let Logs { train, test, mut notes, correction, torque_is_scaled, units } =
@@ -95,31 +92,22 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     corrected::write(&folder, dataset.as_ref(), &named, &robot, correction.as_ref(), units)?;
     let (train, test): (Vec<&Recording>, Vec<&Recording>) = (train.iter().collect(), test.iter().collect());
     let logs = fit::Logs { train: &train, test: &test };
-    let observed = equations::observed(&robot, logs, preparation, arguments.trust)?;
-    let placed = place(&arguments.effect, &robot, Some(&observed.model))?;
-    let model = observed.model;
-    notes.extend(observed.notes);
-    stages.begin("identifying");
-    let mut plain = fit_effects(&model, arguments.trust, logs, preparation, Vec::new())?;
-    let among = |rows: &[bool], placed, logs| fit_effects_in(&model, arguments.trust, logs, preparation, placed, rows);
-    let fit = |placed, logs| among(&plain.reversals, placed, logs);
-    let extended = match placed.is_empty() {
-        true => None,
-        false => match fit(placed.clone(), logs) {
-            Ok(fitted) => Some(fitted),
-            Err(problem) => {
-                let alone = |placed: &Placed| fit(vec![placed.clone()], fit::Logs { test: &[], ..logs }).is_ok();
-                let (kept, note) = separable(&arguments.effect, placed, &robot, alone).ok_or(problem)?;
-                notes.push(note);
-                Some(fit(kept, logs)?)
-            }
-        },
+    let question = Identification::of(&robot).train(logs.train.iter().copied()).test(logs.test.iter().copied());
+    let question = question.effects(&arguments.effect).trust(arguments.trust).preparation(preparation);
+    let question = question.progress(|now| match now {
+        Progress::Arm => stages.begin("identifying"),
+        Progress::Bodies => stages.begin("finding consistent parameters"),
+        _ => {}
+    });
+    let found = match interrupt::of_host(global) {
+        Some(stop) => question.stop(stop).run()?,
+        None => question.run()?,
     };
-    if let Some(fitted) = extended.as_ref().filter(|fitted| fitted.reversals != plain.reversals) {
-        plain = among(&fitted.reversals, Vec::new(), logs)?;
-    }
-    notes.extend(report::undetermined(model.base(), &plain));
-    let fitted = extended.as_ref().unwrap_or(&plain);
+    let (plain, extended, consistent) =
+        (&found.without_effects, found.with_effects.as_ref(), found.consistent.as_ref());
+    let (fitted, identified) = (found.fitted(), &found.robot);
+    notes.extend(found.notes.iter().cloned());
+    notes.extend(report::undetermined(found.model.base(), plain));
     notes.extend(report::constants(&robot, fitted));
     notes.extend(report::falling_friction(&robot, fitted));
     notes.extend(report::negative_coulomb(&robot, fitted));
@@ -128,26 +116,15 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     if arguments.trust == Trust::Nominal {
         notes.extend(report::unlike_described(&robot, fitted, logs.train));
     }
-    stages.begin("finding consistent parameters");
-    // Inertias from the URDF are consistent already; with effects in the fit, the bodies are those of the fit without.
-    let consistent = match arguments.trust {
-        Trust::Structure => Some(consistent::consistent(&model, logs, preparation, &plain)?),
-        Trust::Nominal => None,
-    };
-    notes.extend(consistent.as_ref().and_then(|found| report::not_of_bodies(&robot, &plain, found)));
-    notes.extend(consistent.as_ref().and_then(|found| report::undetermined_held_out(&robot, &plain, found)));
-    let identified = match &consistent {
-        Some(found) => found.robot(&robot),
-        None => extended.as_ref().unwrap_or(&plain).with_drives(&robot),
-    };
-    write_robot(&folder, &identified)?;
-    let found =
-        report::Found { plain: &plain, extended: extended.as_ref(), consistent: consistent.as_ref(), torque_is_scaled };
+    notes.extend(consistent.and_then(|bodies| report::not_of_bodies(&robot, plain, bodies)));
+    notes.extend(consistent.and_then(|bodies| report::undetermined_held_out(&robot, plain, bodies)));
+    write_robot(&folder, identified)?;
+    let found = report::Found { plain, extended, consistent, torque_is_scaled };
     let result = report::result(&robot, arguments.trust, found, &notes);
     folder.write_json("identification.json", SCHEMA, &result)?;
     stages.begin("simulating the identified arm");
-    let replayed = replayed(&identified, logs, preparation);
-    let shown = viewer::fit::Shown { plain: &plain, extended: extended.as_ref(), replayed: replayed.as_deref() };
+    let replayed = replayed(identified, logs, preparation);
+    let shown = viewer::fit::Shown { plain, extended, replayed: replayed.as_deref() };
     viewer::add(&folder, || Ok(viewer::fit::film(&robot, logs, shown)))?;
     stages.finish();
     let path = folder.finish()?;
@@ -230,54 +207,6 @@ fn logs(
     Ok(Logs { train: vec![runs.training.recording], test: vec![runs.held_out.recording], ..Logs::default() })
 }
 
-/// The requested effects on their joints; joints of `model` without an equation are skipped where no joint is named.
-fn place(wanted: &[String], robot: &Robot, model: Option<&Model>) -> Result<Vec<Placed>> {
-    let is_seen = |joint: &usize| model.is_none_or(|model| model.has_equation(*joint));
-    let mut placed = Vec::new();
-    for text in wanted {
-        let (name, joint) = text.split_once(':').map_or((text.as_str(), None), |(name, joint)| (name, Some(joint)));
-        let effect = effects::find(name)?;
-        let spots = match (effect.about().scope, joint) {
-            (Scope::Joint, None) => (0..robot.dof()).filter(is_seen).collect(),
-            (Scope::Pair, None) => {
-                (0..robot.dof().saturating_sub(1)).filter(|joint| is_seen(joint) && is_seen(&(joint + 1))).collect()
-            }
-            (scope, _) => {
-                let joint =
-                    effect_joint(effect, joint, robot).map_err(|problem| Error::request(text.as_str(), problem))?;
-                if matches!(scope, Scope::Joint | Scope::Pair) && !is_seen(&joint) {
-                    let problem = "the logs have no torque of this joint, or it hardly moves; leave the effect out";
-                    return Err(Error::request(text.as_str(), problem));
-                }
-                vec![joint]
-            }
-        };
-        placed.extend(spots.into_iter().map(|joint| Placed::typical(effect, joint)));
-    }
-    Ok(placed)
-}
-
-/// Of effects that the logs do not separate together: those that they separate on a joint by itself, with a note on the others, which
-/// were asked for on no joint by name. None where that changes nothing.
-fn separable(
-    wanted: &[String],
-    placed: Vec<Placed>,
-    robot: &Robot,
-    alone: impl Fn(&Placed) -> bool,
-) -> Option<(Vec<Placed>, String)> {
-    let on_all = |placed: &Placed| {
-        let about = placed.effect.about();
-        about.scope == Scope::Joint && wanted.iter().any(|text| text == about.name)
-    };
-    let (kept, left): (Vec<Placed>, Vec<Placed>) = placed.into_iter().partition(|own| !on_all(own) || alone(own));
-    if left.is_empty() || kept.is_empty() {
-        return None;
-    }
-    let name = |own: &Placed| format!("{} of {}", own.effect.about().name, robot.joints[own.joint].name);
-    let names = left.iter().map(name).collect::<Vec<_>>().join(", ");
-    Some((kept, format!("{names}: left out, since the logs do not separate it from the arm's parameters")))
-}
-
 /// The identified arm in the simulator along the logs that the viewer shows; nothing without the viewer, or where the
 /// logs are long or the arm runs away.
 pub(super) fn replayed(identified: &Robot, logs: fit::Logs, preparation: Preparation) -> Option<Vec<Followed>> {
@@ -314,26 +243,4 @@ fn preparation(arguments: &Arguments, setup: Option<&Setup>, log: &Recording) ->
         (None, None) => Smoothing::SavitzkyGolay { window, order, decimation },
     };
     Ok(Preparation { smoothing, band })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::robot::InertiaCheck;
-
-    #[test]
-    fn joints_on_which_an_effect_is_not_separable_are_left_out_unless_they_were_named() {
-        let robot = robot::load("urdf/irb1600_6_120.urdf", InertiaCheck::Required).unwrap();
-        let wanted = |text: &str| vec![text.to_owned()];
-        let all = || place(&wanted("torque_offset"), &robot, None).unwrap();
-        let (kept, note) = separable(&wanted("torque_offset"), all(), &robot, |placed| placed.joint != 2).unwrap();
-        assert_eq!(kept.iter().map(|placed| placed.joint).collect::<Vec<_>>(), [0, 1, 3, 4, 5]);
-        assert!(note.starts_with(&format!("torque_offset of {}: left out", robot.joints[2].name)), "{note}");
-        // Nothing is left, nothing is left out, or the joint was asked for.
-        assert!(separable(&wanted("torque_offset"), all(), &robot, |_| false).is_none());
-        assert!(separable(&wanted("torque_offset"), all(), &robot, |_| true).is_none());
-        let named = wanted(&format!("torque_offset:{}", robot.joints[2].name));
-        let placed = place(&named, &robot, None).unwrap();
-        assert!(separable(&named, placed, &robot, |_| false).is_none());
-    }
 }

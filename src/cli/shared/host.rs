@@ -48,7 +48,8 @@ pub struct Host {
 }
 
 impl Host {
-    /// Asks the command to stop, as ctrl-C does on a terminal. A diagnosis, a search or a study ends soon, others do not hear it.
+    /// Asks the command to stop, as ctrl-C does on a terminal. A diagnosis, an identification, a search or a study ends soon, others do
+    /// not hear it.
     pub fn stop(&self) {
         self.stop.store(true, Ordering::Relaxed);
     }

@@ -5,6 +5,11 @@ use crate::error::{Error, Result};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+/// The flag that a program raises that runs the command inside itself. On a terminal ctrl-C ends the command at once.
+pub(crate) fn of_host(global: &Global) -> Option<Arc<AtomicBool>> {
+    global.host.as_ref().map(|host| host.flag())
+}
+
 /// A flag that ctrl-C raises; a second ctrl-C ends the program at once. Inside a program it is the program that raises it.
 pub(crate) fn flag(global: &Global) -> Result<Arc<AtomicBool>> {
     if let Some(host) = &global.host {

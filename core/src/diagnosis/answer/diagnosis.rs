@@ -18,6 +18,17 @@ use crate::payload::Payload;
 use crate::robot::Robot;
 
 /// A delay or lag of the torque that is of the sampling.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::diagnosis::{Diagnosis, OfSampling};
+///
+/// // Lines on what sampling makes late: the whole torque, or that of a joint.
+/// fn late(diagnosis: &Diagnosis) -> Vec<String> {
+///     let line = |OfSampling { joint, seconds: [late, std] }: &OfSampling| format!("{joint:?}: {late} +- {std} s");
+///     diagnosis.of_sampling.iter().map(line).collect()
+/// }
+/// ```
 #[derive(Debug, Clone, Copy)]
 pub struct OfSampling {
     /// The joint of a lag; None for a delay, which is of all joints.

@@ -20,11 +20,12 @@ mod resimulation;
 mod searched;
 
 pub use builder::DiagnosisBuilder;
-pub use diagnosis::{Diagnosis, Errors, LogSummary, Scope};
+pub use diagnosis::{Diagnosis, Errors, LogSummary, OfSampling, Scope};
 pub use document::{DIAGNOSIS_SCHEMA, EXTENDED_MJCF, EXTENDED_SCENARIO, EXTENDED_URDF};
 pub use extended::ExtendedModel;
 pub use findings::{Finding, NOT_SIZED, NamedAlternative, NamedParameter, finding, findings, joints};
 pub use inertias::Gain;
+pub use not_found::NotFound;
 pub use outcome::{Answer, Conclusion, Measured, Outcome};
-pub use quantities::{Derived, ResidualStructure, Share};
+pub use quantities::{Derived, Evidence, Follows, ResidualStructure, Share, Worst};
 pub use resimulation::{Engine, Followed, Resimulation, Simulator};

@@ -13,6 +13,24 @@ use std::collections::BTreeMap;
 const POWER: f64 = 0.8;
 
 /// An effect that was looked for and not found.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::diagnosis::NotFound;
+/// # use tauscope::diagnosis::Diagnosis;
+/// # use tauscope::recording;
+/// # use tauscope::robot::{self, InertiaCheck};
+/// # let robot = robot::load("../tests/reference/pendulum.urdf", InertiaCheck::Ignored)?;
+/// # let log = |name: &str| recording::load(format!("../tests/reference/pendulum/{name}.csv"), None);
+/// # let (train, test) = (log("train")?, log("test")?);
+/// # let answer = Diagnosis::of(&robot).train([&train]).test([&test]).candidates(["torque_ripple", "joint_spring"]).run()?;
+/// # let diagnosis = answer.diagnosis().expect("the logs are good");
+///
+/// // A spring at the pivot would have been found from some stiffness on.
+/// let spring: &NotFound = diagnosis.not_found.iter().find(|one| one.family.effect == "joint_spring").expect("it is not there");
+/// assert!(spring.minimum_detectable.is_none_or(|size| size > 0.0) && !spring.unit.is_empty());
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct NotFound {
     /// What and where.

@@ -15,5 +15,6 @@ pub(crate) use above_noise::{above_noise, not_separated};
 pub use disagreement::LOGS_DISAGREE;
 pub(crate) use disagreement::disagreement;
 pub(crate) use mapped::mapped;
-pub(crate) use structure::{RejectedStructure, Structure, Unexplained};
+pub(crate) use structure::Structure;
+pub use structure::{RejectedStructure, Replaced, Unexplained};
 pub(crate) use unexplained::unexplained;

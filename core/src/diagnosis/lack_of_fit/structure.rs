@@ -12,6 +12,24 @@ use crate::error::Result;
 use std::borrow::Cow;
 
 /// Structure that no candidate carries.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::diagnosis::Unexplained;
+/// # use tauscope::diagnosis::Diagnosis;
+/// # use tauscope::recording;
+/// # use tauscope::robot::{self, InertiaCheck};
+/// # let robot = robot::load("../tests/reference/pendulum.urdf", InertiaCheck::Ignored)?;
+/// # let log = |name: &str| recording::load(format!("../tests/reference/pendulum/{name}.csv"), None);
+/// # let (train, test) = (log("train")?, log("test")?);
+/// # let answer = Diagnosis::of(&robot).train([&train]).test([&test]).candidates(["torque_offset"]).run()?;
+/// # let diagnosis = answer.diagnosis().expect("the logs are good");
+///
+/// // Offsets do not explain the ripple of the pivot: its residual follows something else.
+/// let left: &Unexplained = diagnosis.unexplained.first().expect("there is structure");
+/// assert!(left.joint == 0 && left.share > 0.5 && !left.structure.is_empty());
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Unexplained {
     /// The joint.
@@ -31,6 +49,17 @@ pub struct Unexplained {
 }
 
 /// Structure that a joint's training rows show, and that failed a gate.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::diagnosis::{Diagnosis, RejectedStructure};
+///
+/// // What the residual does not follow after all, and why not.
+/// fn refused(diagnosis: &Diagnosis) -> Vec<String> {
+///     let line = |one: &RejectedStructure| format!("no {}: {}", one.structure, one.failed.gate.reason());
+///     diagnosis.rejected_structure.iter().map(line).collect()
+/// }
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RejectedStructure {
     /// The joint.
@@ -77,6 +106,18 @@ impl Extend<Structure> for Structure {
 }
 
 /// A member of the model that structure replaces.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::diagnosis::{Diagnosis, Replaced};
+///
+/// // Findings that structure withdraws: it explains what they were named for.
+/// fn withdrawn(diagnosis: &Diagnosis) -> Vec<&'static str> {
+///     let replaced = diagnosis.unexplained.iter().flat_map(|left| &left.instead_of);
+///     let name = |Replaced { place, .. }: &Replaced| diagnosis.found[*place].member.placed.effect.about().name;
+///     replaced.map(name).collect()
+/// }
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Replaced {
     /// Its place in the model.

@@ -4,6 +4,16 @@ use crate::error::Result;
 use crate::signal::ZeroPhaseLowPass;
 
 /// A zero-phase Butterworth low-pass.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::diagnosis::{Diagnosis, LowPass};
+///
+/// // The band that the torque of the logs has.
+/// fn band_hz(diagnosis: &Diagnosis) -> Option<f64> {
+///     diagnosis.logs.passband.map(|LowPass { hz, .. }| hz)
+/// }
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LowPass {
     /// Order of one of the two runs.

@@ -19,7 +19,7 @@ pub use input::CleanLogs;
 pub(crate) use input::Input;
 pub(crate) use input::split;
 pub(crate) use log::Log;
-pub(crate) use low_pass::LowPass;
+pub use low_pass::LowPass;
 pub(crate) use rows::Rows;
 pub(crate) use rows::{FEWEST_ROWS, FEWEST_TEST_ROWS};
 pub use screening::{Consequence, DataFault, Screened, screen};

@@ -9,6 +9,25 @@ use crate::effects::{Placed, Role};
 const SMALL: f64 = 0.1;
 
 /// An effect in the model, with what it takes there.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::diagnosis::Member;
+/// # use tauscope::diagnosis::Diagnosis;
+/// # use tauscope::recording;
+/// # use tauscope::robot::{self, InertiaCheck};
+/// # let robot = robot::load("../tests/reference/pendulum.urdf", InertiaCheck::Ignored)?;
+/// # let log = |name: &str| recording::load(format!("../tests/reference/pendulum/{name}.csv"), None);
+/// # let (train, test) = (log("train")?, log("test")?);
+/// # let answer = Diagnosis::of(&robot).train([&train]).test([&test]).candidates(["torque_ripple"]).run()?;
+/// # let diagnosis = answer.diagnosis().expect("the logs are good");
+///
+/// // Seven periods a turn, with the standard deviation.
+/// let member: &Member = &diagnosis.found[0].member;
+/// let (periods, std) = (member.placed.parameters[2], member.std[2]);
+/// assert!((periods - 7.0).abs() < 0.1 && std < 0.1);
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Member {
     /// The effect with its parameters as estimated.

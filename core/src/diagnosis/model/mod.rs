@@ -23,14 +23,13 @@ mod unseen;
 pub(crate) use arm_columns::Moved;
 pub(crate) use arm_model::ArmModel;
 pub(crate) use blocks::{MemberBlock, ParameterBlocks};
-pub(crate) use candidates::Candidate;
-pub use candidates::{Family, is_candidate, places};
+pub use candidates::{Candidate, Family, is_candidate, places};
 pub(crate) use candidates::{Slot, all_candidates, carried_on, columns, columns_in, extent, is_wanted, renewed};
 pub(crate) use cut_off::slope_beyond;
 pub use data_set::DataSet;
 pub(crate) use errors_in_variables::Nuisances;
 pub(crate) use known::Known;
-pub(crate) use member::Member;
+pub use member::Member;
 pub(crate) use prepared::PreparedLogs;
 pub use roles::is_level;
 pub(crate) use roles::{

@@ -5,6 +5,17 @@ use std::collections::BTreeSet;
 use std::ops::Range;
 
 /// A torque over the rows, `(joint, values)` for every joint on which it is not zero, in the order of the joints.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::diagnosis::{Column, Diagnosis};
+///
+/// // Joints on which an effect found has torque.
+/// fn joints(diagnosis: &Diagnosis) -> Vec<usize> {
+///     let columns = diagnosis.found.iter().flat_map(|found| found.member.candidate.columns.iter());
+///     columns.flat_map(|Column { parts, .. }| parts.iter().map(|(joint, _)| *joint)).collect()
+/// }
+/// ```
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Column {
     /// Joints with their values.

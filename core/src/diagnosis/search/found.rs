@@ -8,6 +8,20 @@ use crate::diagnosis::model::{Candidate, Family, Member, Session, Slot};
 use crate::effects::{self, Nature};
 
 /// Another effect that explains the same.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::diagnosis::{Alternative, Diagnosis};
+///
+/// // What else the effects found may be, the likeliest first.
+/// fn others(diagnosis: &Diagnosis) -> Vec<String> {
+///     let all = diagnosis.found.iter().flat_map(|found| &found.alternatives);
+///     let line = |Alternative { family, relative_likelihood }: &Alternative| {
+///         format!("{} on joint {}: {relative_likelihood}", family.effect, family.joint)
+///     };
+///     all.map(line).collect()
+/// }
+/// ```
 #[derive(Debug, Clone)]
 pub struct Alternative {
     /// What and where.
@@ -17,6 +31,19 @@ pub struct Alternative {
 }
 
 /// The best candidate of a round, which failed a gate.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::diagnosis::{Diagnosis, Rejected};
+///
+/// // What came close to being found, and why it was not.
+/// fn close(diagnosis: &Diagnosis) -> Vec<String> {
+///     let line = |Rejected { slot: (family, _), failed }: &Rejected| {
+///         format!("{}: {}", family.effect, failed.gate.reason())
+///     };
+///     diagnosis.rejected.iter().map(line).collect()
+/// }
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rejected {
     /// What and where, and in which log.

@@ -19,8 +19,7 @@ mod verdict;
 
 #[cfg(test)]
 pub(crate) use acceptance::Accepted;
-pub use found::Found;
 pub(crate) use found::members;
-pub(crate) use found::{Alternative, Rejected};
+pub use found::{Alternative, Found, Rejected};
 pub(crate) use selection::{Selection, select};
 pub use verdict::Verdict;

@@ -16,4 +16,5 @@ mod state;
 pub(crate) use arm::{Arm, law_sites, laws};
 pub use arm_parameters::Trust;
 pub(crate) use links::Geared;
+pub(in crate::identification) use state::goes_on;
 pub use state::{EffectModel, Place, Preparation};

@@ -3,7 +3,7 @@
 use super::arm::Arm;
 use super::arm_parameters::{ArmParameter, Trust, arm_name, arm_parameters, drive_of, is_merged, leader, stands_for};
 use crate::effects::{Gear, Placed, Role, Scope, Site};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::identification::model::Model;
 use crate::identification::preparation::prepare::{self, Prepared, Smoothing};
 use crate::identification::preparation::reversals::Band;
@@ -12,6 +12,8 @@ use crate::identification::regression::joint_regression::JointRegression;
 use crate::identification::regression::least_squares::require_rows;
 use crate::identification::regression::undetermined::undetermined;
 use crate::recording::Recording;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// How measured logs are made ready.
 ///
@@ -88,6 +90,19 @@ pub struct EffectModel<'a> {
     pub(super) bodies: Arm,
     /// Those that the logs do not determine, with the values at which they are held; None before a regression was seen.
     undetermined: Option<Vec<(usize, f64)>>,
+    /// Ends fits of the model once it is raised.
+    stop: Option<Arc<AtomicBool>>,
+}
+
+/// Refuses to go on once `stop` is raised.
+///
+/// # Errors
+/// If it is.
+pub(in crate::identification) fn goes_on(stop: Option<&Arc<AtomicBool>>) -> Result<()> {
+    match stop.is_some_and(|stop| stop.load(Ordering::Relaxed)) {
+        true => Err(Error::request("identification", "was stopped before it was done; run it again")),
+        false => Ok(()),
+    }
 }
 
 /// Where a parameter of an effect is: index of the effect, index of the parameter.
@@ -116,7 +131,23 @@ impl<'a> EffectModel<'a> {
             arm_parameters(model, trust).into_iter().partition(|(p, _)| stood_for(*p));
         let (arm, baseline) = arm.into_iter().unzip();
         let bodies = Arm::new(model.robot(), trust);
-        Ok(EffectModel { model, trust, logs, preparation, placed, arm, nominal, baseline, bodies, undetermined: None })
+        let (undetermined, stop) = (None, None);
+        Ok(EffectModel { model, trust, logs, preparation, placed, arm, nominal, baseline, bodies, undetermined, stop })
+    }
+
+    /// Lets `stop` end fits of the model.
+    #[must_use]
+    pub(in crate::identification) fn with_stop(mut self, stop: Option<&Arc<AtomicBool>>) -> Self {
+        self.stop = stop.cloned();
+        self
+    }
+
+    /// Refuses to go on once fits are to end.
+    ///
+    /// # Errors
+    /// If they are.
+    pub(in crate::identification) fn goes_on(&self) -> Result<()> {
+        goes_on(self.stop.as_ref())
     }
 
     /// Lets laws at the joints follow the bodies of `arm` instead of those described.

@@ -39,7 +39,7 @@ const SIZE: f64 = 0.005;
 /// assert!((constant.value - 3.0).abs() < 0.2 && constant.share > 0.5);
 /// # Ok::<(), tauscope::error::Error>(())
 /// ```
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct Constant {
     /// Its least-squares estimate with all parameters of the arm free, N m (N).
     pub value: f64,

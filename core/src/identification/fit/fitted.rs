@@ -8,6 +8,8 @@ use crate::identification::model::Model;
 use crate::identification::regression::joint_regression::JointRegression;
 use crate::recording::Recording;
 use crate::robot::{Drive, Robot};
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 /// Logs to fit and logs to judge by.
 ///
@@ -58,9 +60,13 @@ pub struct Logs<'a> {
 /// let (without, with) = (fit(Vec::new())?, fit(vec![ripple])?);
 /// assert!(with.test_rms[1] < 0.6 * without.test_rms[1]);
 /// assert!((with.placed[0].parameters[2] - 7.0).abs() < 0.1);
+///
+/// let json = serde_json::to_value(&with).expect("it has a JSON form");
+/// assert_eq!(json["placed"][0]["effect"], "torque_ripple");
+/// assert_eq!(json["fit"]["names"].as_array().map(Vec::len), json["fit"]["estimate"]["covariance"].as_array().map(Vec::len));
 /// # Ok::<(), tauscope::error::Error>(())
 /// ```
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, serde::Serialize)]
 pub struct Fitted {
     /// Parameters with their covariance.
     pub fit: EffectFit,
@@ -70,7 +76,8 @@ pub struct Fitted {
     pub train_rms: Vec<f64>,
     /// Residual on the held-out logs; empty where there are none.
     pub test_rms: Vec<f64>,
-    /// The held-out logs row by row.
+    /// The held-out logs row by row; not serialised.
+    #[serde(skip)]
     pub test: Rows,
     /// Joints whose rows near reversals are in the fit, if they have any; those of the others show more than noise.
     pub reversals: Vec<bool>,
@@ -140,10 +147,27 @@ pub fn fit_effects_in(
     placed: Vec<Placed>,
     kept: &[bool],
 ) -> Result<Fitted> {
+    fit_effects_until(model, trust, logs, preparation, placed, kept, None)
+}
+
+/// [`fit_effects_in`] that ends once `stop` is raised.
+///
+/// # Errors
+/// Those of [`fit_effects`], and if it is stopped.
+pub(in crate::identification) fn fit_effects_until(
+    model: &Model,
+    trust: Trust,
+    logs: Logs,
+    preparation: Preparation,
+    placed: Vec<Placed>,
+    kept: &[bool],
+    stop: Option<&Arc<AtomicBool>>,
+) -> Result<Fitted> {
     // Friction that goes with the load follows the bodies as estimated without it: they would chase each other.
     let bodies = match trust == Trust::Structure && placed.iter().any(goes_with_load) {
         true => {
-            let mut plain = EffectModel::new(model, trust, logs.train, preparation, Vec::new())?.with_reversals(kept);
+            let plain = EffectModel::new(model, trust, logs.train, preparation, Vec::new())?;
+            let mut plain = plain.with_reversals(kept).with_stop(stop);
             let found = fit(&mut plain)?;
             plain.set_baseline(&found.estimate.beta);
             plain.found_arm()
@@ -152,7 +176,7 @@ pub fn fit_effects_in(
     };
     let along = |logs, placed, kept: &[bool]| -> Result<EffectModel> {
         let model = EffectModel::new(model, trust, logs, preparation, placed)?;
-        Ok(model.with_reversals(kept).with_bodies(bodies.clone()))
+        Ok(model.with_reversals(kept).with_bodies(bodies.clone()).with_stop(stop))
     };
     let mut reversals = kept.to_vec();
     let mut training = along(logs.train, placed, &reversals)?;

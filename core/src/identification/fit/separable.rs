@@ -59,7 +59,7 @@ const SETTLING: usize = 3;
 /// assert_eq!((fit.arm_units[place], fit.at_bound[place]), ("N m", false));
 /// # Ok::<(), tauscope::error::Error>(())
 /// ```
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, serde::Serialize)]
 pub struct EffectFit {
     /// Linear parameters (arm, amplitudes), then nonlinear ones, with their joint covariance.
     pub estimate: Estimate,
@@ -87,8 +87,9 @@ pub struct EffectFit {
 /// Fits all parameters of a model with effects; the effects in `model` hold the result afterwards.
 ///
 /// # Errors
-/// If the logs do not separate the parameters or are too short.
+/// If the logs do not separate the parameters or are too short, or the fit is stopped.
 pub(crate) fn fit(model: &mut EffectModel) -> Result<EffectFit> {
+    model.goes_on()?;
     let nonlinear = model.nonlinear();
     if model.placed().is_empty() {
         // Weights are found on the way to the standard deviations, without a second pass over long logs.
@@ -101,6 +102,7 @@ pub(crate) fn fit(model: &mut EffectModel) -> Result<EffectFit> {
     if !nonlinear.is_empty() {
         choose_starts(model, &nonlinear, &sigma)?;
         for _ in 0..ROUNDS {
+            model.goes_on()?;
             let start = model.get(&nonlinear);
             let bounds = bounds(model, &nonlinear);
             let mut problem = Projected { model, places: &nonlinear, sigma: &sigma, rows };
@@ -192,6 +194,7 @@ fn choose_starts(model: &mut EffectModel, nonlinear: &[Place], sigma: &[f64]) ->
         let arm = model.baseline().to_vec();
         let mut best = (f64::INFINITY, model.get(&group));
         for candidate in combinations(&grids) {
+            model.goes_on()?;
             model.set(&group, &candidate);
             model.set_baseline(&arm);
             // A shape at which the data do not separate the amplitudes is no start.

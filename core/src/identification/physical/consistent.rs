@@ -60,9 +60,12 @@ const CONDITIONS: usize = 7;
 ///
 /// // They predict the held-out torque as well.
 /// assert!(bodies.test_rms[1] < 1.2 * fitted.test_rms[1]);
+///
+/// let json = serde_json::to_value(&bodies).expect("it has a JSON form");
+/// assert_eq!(json["test_rms"].as_array().map(Vec::len), Some(5));
 /// # Ok::<(), tauscope::error::Error>(())
 /// ```
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct Consistent {
     /// Standard parameters, 13 per joint in the order of [`Model::names`].
     pub standard: Vec<f64>,

@@ -8,6 +8,7 @@ use crate::error::{Error, Result};
 use crate::identification::numerics::scaled_normal::ScaledNormal;
 use crate::random;
 use nalgebra::DMatrix;
+use serde::{Serialize, Serializer};
 
 /// Order of the noise model behind the standard deviations.
 pub(in crate::identification) const NOISE_ORDER: usize = 12;
@@ -48,12 +49,13 @@ pub const NORMAL_95: f64 = 1.959_963_984_540_054;
 /// assert!((high - low - 2.0 * 1.96 * estimate.std()[friction]).abs() < 1e-3);
 /// # Ok::<(), tauscope::error::Error>(())
 /// ```
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize)]
 pub struct Estimate {
     /// Base parameters.
     pub beta: Vec<f64>,
     /// Covariance of the base parameters, with the colour of the residual taken into account; where a fit takes the scatter between
-    /// blocks too, with the larger of both standard deviations.
+    /// blocks too, with the larger of both standard deviations. Serialised row by row.
+    #[serde(serialize_with = "by_row")]
     pub covariance: DMatrix<f64>,
     /// Standard deviation of the residual of each joint, the inverse root of its weight, N m.
     pub sigma: Vec<f64>,
@@ -61,6 +63,11 @@ pub struct Estimate {
     pub condition_number: f64,
     /// Rows used of each joint.
     pub rows: Vec<usize>,
+}
+
+/// A matrix as a list of its rows.
+fn by_row<S: Serializer>(matrix: &DMatrix<f64>, serializer: S) -> std::result::Result<S::Ok, S::Error> {
+    serializer.collect_seq(matrix.row_iter().map(|row| row.iter().copied().collect::<Vec<f64>>()))
 }
 
 impl Estimate {

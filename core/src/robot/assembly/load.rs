@@ -5,7 +5,7 @@ use super::choice::{Choice, InertiaCheck};
 use super::places::Place;
 use crate::error::{Error, Result};
 use crate::robot::description::{self, Description};
-use crate::robot::model::{Follower, Joint, Robot, Tree};
+use crate::robot::model::{Follower, Joint, Robot, TEXT, Tree};
 use std::path::Path;
 
 /// Loads a robot, all of whose joints are under study.
@@ -14,6 +14,37 @@ use std::path::Path;
 /// As [`description::read`] and [`Description::robot`].
 pub fn load(path: impl AsRef<Path>, inertias: InertiaCheck) -> Result<Robot> {
     description::read(path.as_ref())?.robot(&Choice::default(), inertias)
+}
+
+impl Robot {
+    /// Reads a robot from the text of a URDF or of a MuJoCo model. All of its joints are under study. Its inertias are placeholders
+    /// until they are identified: impossible ones pass, as with [`InertiaCheck::Ignored`]. Files that the text includes are looked
+    /// for in the current folder. For a part of the joints, or inertias that must be possible: [`description::parse`] and
+    /// [`Description::robot`].
+    ///
+    /// ```
+    /// # extern crate tauscope_core as tauscope;
+    /// use tauscope::robot::{self, Robot};
+    ///
+    /// let text = r#"<robot name="pendulum"><link name="base"/>
+    /// <joint name="swing" type="continuous"><parent link="base"/><child link="rod"/><axis xyz="0 1 0"/></joint>
+    /// <link name="rod"><inertial><origin xyz="0 0 -0.3"/><mass value="2"/>
+    /// <inertia ixx="0.02" iyy="0.02" izz="0.001" ixy="0" ixz="0" iyz="0"/></inertial></link></robot>"#;
+    /// let robot = Robot::from_urdf_str(text)?;
+    /// assert_eq!(robot.joint_names(), ["swing"]);
+    /// assert_eq!(robot.joints[0].inertia.mass(), 2.0);
+    ///
+    /// // Errors name line and element.
+    /// let refused = Robot::from_urdf_str(&text.replace("rod", "arm").replacen("arm", "rod", 1)).unwrap_err();
+    /// assert!(refused.to_string().starts_with("<text>:2: "), "{refused}");
+    /// # Ok::<(), tauscope::error::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Names line and element of what is wrong with the text, and what to do; a text of another kind is named; no joint that moves.
+    pub fn from_urdf_str(text: &str) -> Result<Robot> {
+        description::parse(text, TEXT)?.robot(&Choice::default(), InertiaCheck::Ignored)
+    }
 }
 
 impl Description {
@@ -56,5 +87,41 @@ impl Description {
         let columns = joints.iter().map(|joint| joint.name.clone()).collect();
         let (gravity, actuators) = (self.gravity, self.actuators.clone());
         Ok(Robot { name, source, gravity, joints, flange, tree, columns, actuators, held, assumed, guessed, notes })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::robot::{to_mjcf, with_parameters};
+
+    fn irb() -> (String, Robot) {
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../urdf/irb1600_6_120.urdf");
+        (std::fs::read_to_string(path).unwrap(), load(path, InertiaCheck::Ignored).unwrap())
+    }
+
+    #[test]
+    fn a_text_gives_the_robot_of_its_file() {
+        let (text, file) = irb();
+        let read = Robot::from_urdf_str(&text).unwrap();
+        assert_eq!(Robot { source: file.source.clone(), ..read.clone() }, file);
+        // It is written without a file to write into.
+        let written = Robot::from_urdf_str(&with_parameters(&read).unwrap()).unwrap();
+        assert_eq!((written.joint_names(), written.dof()), (file.joint_names(), 6));
+        // MuJoCo models too.
+        assert_eq!(Robot::from_urdf_str(&to_mjcf(&file)).unwrap().joint_names(), file.joint_names());
+    }
+
+    #[test]
+    fn errors_of_a_text_name_the_place() {
+        let (text, _) = irb();
+        let refused = |text: &str| Robot::from_urdf_str(text).unwrap_err().to_string();
+        let line = 1 + text.lines().position(|line| line.contains("\"joint_2\"")).unwrap();
+        let message = refused(&text.replacen("<joint name=\"joint_2\"", "<joint", 1));
+        assert!(message.starts_with(&format!("<text>:{line}: ")), "{message}");
+        assert!(refused("").starts_with("<text>"));
+        assert!(refused("t,q1,tau1\n0,1,2\n").contains("a table or log"));
+        let still = refused("<robot name=\"a\"><link name=\"b\"/></robot>");
+        assert!(still.contains("no moving joint"), "{still}");
     }
 }

@@ -11,6 +11,9 @@ use std::path::PathBuf;
 /// Part of gravity from which a joint feels it: less is how exactly an arm stands.
 const LEAST_PART: f64 = 0.05;
 
+/// What a robot that was read from a text has in the place of its file.
+pub(crate) const TEXT: &str = "<text>";
+
 /// A robot of one or more revolute or prismatic joints with a coordinate each, and of joints that follow them.
 ///
 /// ```
@@ -33,7 +36,7 @@ const LEAST_PART: f64 = 0.05;
 pub struct Robot {
     /// Name of the robot in the URDF.
     pub name: String,
-    /// The file it came from.
+    /// The file it came from; `<text>` where it came from a text.
     pub source: PathBuf,
     /// Gravity in base coordinates, m/s2.
     pub gravity: Vector3<f64>,

@@ -18,6 +18,7 @@ mod units;
 
 pub use actuator::Actuator;
 pub use arm::Robot;
+pub(crate) use arm::TEXT;
 pub use constants::{GRAVITY, LARGEST, LARGEST_GRAVITY};
 pub use coupling::{Coupling, LinearMap};
 pub use inertia::{Inertia, PARAMETERS, SYMBOLS, UNITS};

@@ -12,6 +12,6 @@ pub use derived::Derived;
 pub(super) use derived::derived;
 pub(super) use gap::Residuals;
 pub use gap::Share;
-pub use residual_structure::ResidualStructure;
 pub(super) use residual_structure::residual_structure;
-pub(crate) use traces::Evidence;
+pub use residual_structure::{Follows, ResidualStructure, Worst};
+pub use traces::Evidence;

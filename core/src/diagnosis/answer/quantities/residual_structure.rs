@@ -42,6 +42,19 @@ pub struct ResidualStructure {
 }
 
 /// Shares of a residual that follow a variable of its own joint.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::diagnosis::{Diagnosis, Follows};
+///
+/// // Of the arm as described, the first joint.
+/// fn of_first(diagnosis: &Diagnosis) -> Follows {
+///     diagnosis.errors.structure[0][0].follows
+/// }
+///
+/// let follows = Follows { position: 0.8, velocity: 0.1, ..Follows::default() };
+/// assert_eq!(follows.most(), ("position", 0.8));
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize)]
 #[allow(missing_docs, reason = "the names say it")]
 pub struct Follows {
@@ -53,6 +66,17 @@ pub struct Follows {
 }
 
 /// The second of the logs in which a residual is largest.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::diagnosis::{Diagnosis, Worst};
+///
+/// // Where to look first: the second in which the extended model is farthest off on the first joint.
+/// fn at(diagnosis: &Diagnosis) -> Option<String> {
+///     let Worst { log, from_s, to_s, rms_nm } = diagnosis.errors.structure[1][0].worst?;
+///     Some(format!("held-out log {log}, {from_s} to {to_s} s: {rms_nm} N m"))
+/// }
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct Worst {
     /// Number of the log, from 0.

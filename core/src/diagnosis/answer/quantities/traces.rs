@@ -6,6 +6,26 @@ use crate::diagnosis::regression::{Column, combined};
 use crate::error::Result;
 
 /// The held-out rows and the ranking of the candidates. Rows are means over 20 ms; tables are `[joint][row]`.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::diagnosis::Evidence;
+/// # use tauscope::diagnosis::Diagnosis;
+/// # use tauscope::recording;
+/// # use tauscope::robot::{self, InertiaCheck};
+/// # let robot = robot::load("../tests/reference/pendulum.urdf", InertiaCheck::Ignored)?;
+/// # let log = |name: &str| recording::load(format!("../tests/reference/pendulum/{name}.csv"), None);
+/// # let (train, test) = (log("train")?, log("test")?);
+/// # let answer = Diagnosis::of(&robot).train([&train]).test([&test]).candidates(["torque_ripple"]).run()?;
+/// # let diagnosis = answer.diagnosis().expect("the logs are good");
+///
+/// // What a plot of the held-out residual over the position takes.
+/// let evidence: &Evidence = &diagnosis.evidence;
+/// let rows = evidence.time.len();
+/// assert_eq!((evidence.starts.last(), evidence.q[0].len(), evidence.extended[0].len()), (Some(&rows), rows, rows));
+/// assert_eq!(evidence.ranking[0].family.effect, "torque_ripple");
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, Default)]
 pub struct Evidence {
     /// First row of every held-out log, and the number of all rows at the end.

@@ -24,6 +24,17 @@ use std::sync::Arc;
 const ROUNDING: f64 = 1e-9;
 
 /// An effect at a place with its nonlinear parameters chosen.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::diagnosis::{Candidate, Diagnosis};
+///
+/// // The log in which an effect was found that acts in one only, by its place among the training logs.
+/// fn log_of_first(diagnosis: &Diagnosis) -> Option<usize> {
+///     let candidate: &Candidate = &diagnosis.found.first()?.member.candidate;
+///     candidate.log
+/// }
+/// ```
 #[derive(Debug, Clone)]
 pub struct Candidate {
     /// The effect; its amplitudes play no part, its departures are the sizes at which columns are taken.

@@ -6,19 +6,23 @@ use super::elements::{dynamics, inertial, joint_type, origin};
 use super::settled::settled;
 use super::write::to_urdf;
 use crate::error::{Error, Result};
-use crate::robot::model::{JointKind, Pose, Robot};
+use crate::robot::model::{JointKind, Pose, Robot, TEXT};
 use roxmltree::Node;
 use std::collections::{HashMap, HashSet};
+use std::path::Path;
 
 /// The text of the robot's URDF with the bodies and drives of `robot`. Each body goes to the link that its joint carries;
 /// links that move as one with that one lose theirs. `friction`, `damping` and `armature` go to `<dynamics>`; those of a joint
 /// that follows another are in the other's. Joints that are held become fixed where they stand. A robot that did not come
-/// from a URDF is written as one.
+/// from the file of a URDF is written as one.
 ///
 /// # Errors
 /// If the file `robot` came from cannot be read any longer or does not have its joints.
 pub fn with_parameters(robot: &Robot) -> Result<String> {
     let path = &robot.source;
+    if path == Path::new(TEXT) {
+        return Ok(to_urdf(robot));
+    }
     let (source, _) = settled(path)?;
     let (text, document) = (&source.text, source.parse()?);
     let root = document.root_element();

@@ -220,7 +220,7 @@ fn of_guessed(robot: &Robot, family: Family) -> Option<String> {
         return None;
     }
     let on = joints(robot, family);
-    let carried = robot.guessed.iter().filter(|(_, carrier)| on.is_empty() || on.contains(&carrier));
+    let carried = robot.guessed.iter().filter(|(_, carrier)| on.is_empty() || on.contains(carrier));
     let held: Vec<String> = carried.map(|(held, _)| held.clone()).collect();
     let first = held.first()?;
     let (those, stand) = if held.len() == 1 { ("its position", "stands") } else { ("their positions", "stand") };
@@ -433,7 +433,7 @@ mod tests {
     fn joints_held_at_assumed_positions_are_named_with_the_link_that_carries_them() {
         let tree = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/reference/trees/two_finger.urdf");
         let arm = crate::robot::description::read(tree.as_ref()).unwrap();
-        let joints = arm.moving().iter().filter(|joint| !joint.name.contains("finger")).map(|joint| joint.name.clone());
+        let joints = arm.moving().into_iter().filter(|joint| !joint.name.contains("finger")).map(|joint| joint.name.clone());
         let joints: Vec<String> = joints.collect();
         let last = joints.len() - 1;
         let mut choice = crate::robot::Choice { joints: Some(joints), ..Default::default() };

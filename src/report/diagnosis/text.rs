@@ -433,7 +433,8 @@ mod tests {
     fn joints_held_at_assumed_positions_are_named_with_the_link_that_carries_them() {
         let tree = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/reference/trees/two_finger.urdf");
         let arm = crate::robot::description::read(tree.as_ref()).unwrap();
-        let joints = arm.moving().into_iter().filter(|joint| !joint.name.contains("finger")).map(|joint| joint.name.clone());
+        let joints =
+            arm.moving().into_iter().filter(|joint| !joint.name.contains("finger")).map(|joint| joint.name.clone());
         let joints: Vec<String> = joints.collect();
         let last = joints.len() - 1;
         let mut choice = crate::robot::Choice { joints: Some(joints), ..Default::default() };

@@ -32,7 +32,7 @@ pub struct GivenLog<'a> {
 #[derive(Debug, Clone)]
 enum Data<'a> {
     Recording(Cow<'a, Recording>),
-    Sieved(Cow<'a, Sieved>),
+    Sieved(Box<Cow<'a, Sieved>>),
 }
 
 impl GivenLog<'_> {
@@ -40,7 +40,7 @@ impl GivenLog<'_> {
     /// place of a file's lines.
     pub fn into_named(self, otherwise: impl FnOnce() -> String) -> (String, Sieved) {
         let sieved = match self.data {
-            Data::Sieved(sieved) => sieved.into_owned(),
+            Data::Sieved(sieved) => (*sieved).into_owned(),
             Data::Recording(recording) => {
                 let lines = (1..=recording.samples()).collect();
                 Sieved { recording: recording.into_owned(), lines, ..Sieved::default() }
@@ -64,13 +64,13 @@ impl From<Recording> for GivenLog<'_> {
 
 impl<'a> From<&'a Sieved> for GivenLog<'a> {
     fn from(sieved: &'a Sieved) -> Self {
-        GivenLog { name: None, data: Data::Sieved(Cow::Borrowed(sieved)) }
+        GivenLog { name: None, data: Data::Sieved(Box::new(Cow::Borrowed(sieved))) }
     }
 }
 
 impl From<Sieved> for GivenLog<'_> {
     fn from(sieved: Sieved) -> Self {
-        GivenLog { name: None, data: Data::Sieved(Cow::Owned(sieved)) }
+        GivenLog { name: None, data: Data::Sieved(Box::new(Cow::Owned(sieved))) }
     }
 }
 

@@ -61,7 +61,7 @@ impl Determined {
         if self.inertia.iter().any(Option::is_some) {
             self.inertia = [None; 6];
             self.words.push(
-                "inertia: in one fit what the model of the arm lacks acts as much as it does; log the same motion before and after".into(),
+                "inertia: in one fit what the model of the arm lacks acts as much as it does; log one motion at one pace before and after".into(),
             );
         }
         self.body = self.body.map(|(mass, center, _)| (mass, center, None));

@@ -289,7 +289,7 @@ fn values(finding: &Finding) -> String {
     let shown = parameters[named..].iter().take(MENTIONED);
     let each = shown.map(|p| match p.std.is_finite() {
         true => format!("{} {} +- {}", p.name, significant(p.value), with_unit(significant(p.std), p.unit)),
-        false => format!("{} not determined by itself", p.name),
+        false => format!("{} not determined by itself (held at {})", p.name, significant(p.value)),
     });
     each.collect::<Vec<String>>().join(", ")
 }

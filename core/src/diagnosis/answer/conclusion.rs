@@ -287,7 +287,7 @@ fn answer<'a>(
     let next_experiment = next_experiment(
         &found,
         &unexplained,
-        (session.model.base.robot(), session.model.trust),
+        (session.model.base.robot(), session.model.trust, session.logs.train.rows.of_change()),
         [&simulation_test_rms, &extended_test_rms],
         &options.criteria.levels,
     );

@@ -320,12 +320,12 @@ pub(super) fn beyond_sampling(session: &Session, found: &Found, noise: &[f64]) -
     Ok(Some(Judgement::above(Gate::Sampling, time_s / sample_s, 1.0).or(is_felt)))
 }
 
-/// What to do next; `described` is the root mean square that the arm as described leaves of the held-out logs, `left` that of the extended
+/// What to do next, where the question is what changed or what is; `described` is the root mean square that the arm as described leaves of the held-out logs, `left` that of the extended
 /// model, `[joint]`, N m.
 pub(super) fn next_experiment(
     found: &[Found],
     unexplained: &[Unexplained],
-    (robot, trust): (&Robot, Trust),
+    (robot, trust, of_change): (&Robot, Trust, bool),
     [described, left]: [&[f64]; 2],
     levels: &Levels,
 ) -> String {
@@ -353,7 +353,8 @@ pub(super) fn next_experiment(
             left.structure
         );
     }
-    let off = |joint: usize| described[joint] / left[joint];
+    // What is asked is the change alone: how far off the description is, is no part of it.
+    let off = |joint: usize| if of_change { 1.0 } else { described[joint] / left[joint] };
     let worst = (0..robot.dof()).max_by(|&a, &b| off(a).total_cmp(&off(b))).filter(|&joint| off(joint) > levels.far);
     match (found.is_empty(), worst) {
         (true, Some(joint)) if trust == Trust::Nominal => format!(

@@ -31,7 +31,7 @@ pub struct GivenLog<'a> {
 
 #[derive(Debug, Clone)]
 enum Data<'a> {
-    Recording(Cow<'a, Recording>),
+    Recording(Box<Cow<'a, Recording>>),
     Sieved(Box<Cow<'a, Sieved>>),
 }
 
@@ -43,7 +43,7 @@ impl GivenLog<'_> {
             Data::Sieved(sieved) => (*sieved).into_owned(),
             Data::Recording(recording) => {
                 let lines = (1..=recording.samples()).collect();
-                Sieved { recording: recording.into_owned(), lines, ..Sieved::default() }
+                Sieved { recording: (*recording).into_owned(), lines, ..Sieved::default() }
             }
         };
         (self.name.unwrap_or_else(otherwise), sieved)
@@ -52,13 +52,13 @@ impl GivenLog<'_> {
 
 impl<'a> From<&'a Recording> for GivenLog<'a> {
     fn from(recording: &'a Recording) -> Self {
-        GivenLog { name: None, data: Data::Recording(Cow::Borrowed(recording)) }
+        GivenLog { name: None, data: Data::Recording(Box::new(Cow::Borrowed(recording))) }
     }
 }
 
 impl From<Recording> for GivenLog<'_> {
     fn from(recording: Recording) -> Self {
-        GivenLog { name: None, data: Data::Recording(Cow::Owned(recording)) }
+        GivenLog { name: None, data: Data::Recording(Box::new(Cow::Owned(recording))) }
     }
 }
 

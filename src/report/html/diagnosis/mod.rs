@@ -148,7 +148,7 @@ fn values(robot: &Robot, found: &Found) -> Vec<String> {
     all.filter(|((_, parameter), _)| parameter.role != Role::Held)
         .map(|((k, parameter), (&value, &std))| {
             if !std.is_finite() {
-                return format!("{} not determined by itself", parameter.name);
+                return format!("{} not determined by itself (held at {})", parameter.name, significant(value));
             }
             let [low, high] = [-NORMAL_95, NORMAL_95].map(|factor| significant(value + factor * std));
             format!("{} {} {} (95 %: {low} to {high})", parameter.name, significant(value), placed.unit(k, robot))

@@ -2,7 +2,7 @@
 
 use super::descriptions;
 use super::finding::{Finding, Kind, Severity};
-use super::motion::{OtherUnit, PositionUnits};
+use super::motion::{Gears, OtherUnit, PositionUnits};
 use super::places::{grouped, places};
 use super::unit_changes::{OtherRate, UnitChanges};
 use super::velocity;
@@ -47,11 +47,7 @@ pub(super) fn found(log: &Recording, positions: &PositionUnits, robot: Option<&R
 ///
 /// # Errors
 /// Those of the filters.
-pub(super) fn gear_ratio(
-    log: &Recording,
-    positions: &PositionUnits,
-    robot: Option<&Robot>,
-) -> Result<Option<descriptions::Gears>> {
+pub(super) fn gear_ratio(log: &Recording, positions: &PositionUnits, robot: Option<&Robot>) -> Result<Option<Gears>> {
     match robot.filter(|_| positions.all_turned_doubt()) {
         Some(robot) => descriptions::gear_ratio(log, robot, &positions.units()),
         None => Ok(None),

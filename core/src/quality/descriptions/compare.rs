@@ -108,9 +108,9 @@ impl Comparison {
             && self.least_of_logs > -of_rms(GROWS)
     }
 
-    /// Number of torques whose residual falls clearly.
-    pub(super) fn gaining(&self) -> usize {
-        self.channels.iter().flatten().filter(|gain| **gain > 2.0 * FALLS.ln()).count()
+    /// Whether the residual of a torque falls clearly.
+    pub(super) fn falls(&self, channel: usize) -> bool {
+        self.channels[channel].is_some_and(|gain| gain > 2.0 * FALLS.ln())
     }
 
     /// Whether the residual of a torque of which the reference leaves more than a share falls much.

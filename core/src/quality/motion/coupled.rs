@@ -3,9 +3,11 @@
 //! Of palletisers, and of arms whose elbow is driven from the shoulder, some controllers report the angle of the upper arm to the ground, and
 //! others that to the lower arm. They differ by the angle of the lower arm, whose axis is parallel.
 
-use super::BEYOND;
 use crate::quality::view::View;
 use crate::robot::{JointKind, Robot};
+
+/// Positions this far beyond a limit leave it, rad (m).
+pub(super) const BEYOND: f64 = 0.01;
 
 /// Axes whose directions differ by less than 8 degrees (the cosine) are parallel: axes of a parallelogram are so to within tolerances.
 const PARALLEL: f64 = 0.99;

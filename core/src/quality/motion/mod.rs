@@ -2,9 +2,11 @@
 
 mod coupled;
 mod exchange;
+mod gears;
 mod position_unit;
 mod summary;
 
+pub(crate) use gears::Gears;
 pub use position_unit::OtherUnit;
 pub(crate) use position_unit::PositionUnits;
 pub(crate) use summary::summaries;
@@ -14,6 +16,7 @@ use super::finding::{Finding, Kind, Severity};
 use super::places::places;
 use super::view::View;
 use crate::robot::{JointKind, Robot};
+use coupled::BEYOND;
 use std::f64::consts::TAU;
 
 /// Nobody logs an arm at longer steps than this, s; a millisecond that is taken for a second is as long.
@@ -31,9 +34,6 @@ pub(super) fn endless(unwrapped: &[(usize, f64)], robot: Option<&Robot>, joints:
     let turned = |joint: usize| unwrapped.iter().any(|&(own, turn)| own == joint && turn == TAU);
     (0..joints).map(|joint| unlimited(joint) || turned(joint)).collect()
 }
-
-/// Positions this far beyond a limit leave it, rad (m).
-const BEYOND: f64 = 0.01;
 
 /// Whether positions of a joint leave its limits.
 pub(super) fn leaves_limits(robot: Option<&Robot>, joint: usize, positions: &[f64]) -> bool {

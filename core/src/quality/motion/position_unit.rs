@@ -1,8 +1,8 @@
 //! Whether positions are in rad and m, or in degrees, mrad, mm or um.
 
 use super::exchange::{self, NOT_FASTER, WITHIN};
+use super::gears::Gears;
 use super::summary::JointSummary;
-use crate::quality::descriptions::Gears;
 use crate::quality::places::grouped;
 use crate::quality::velocity;
 use crate::quality::view::View;

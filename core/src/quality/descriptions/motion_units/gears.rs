@@ -7,7 +7,7 @@ use super::super::sizes::golden::golden;
 use super::super::tried::Tried;
 use super::scaled::{scaled, scaled_motion};
 use crate::error::Result;
-use crate::quality::motion::OtherUnit;
+use crate::quality::motion::{Gears, OtherUnit};
 use crate::quality::view::View;
 use crate::recording::Recording;
 use crate::robot::{JointKind, Robot};
@@ -33,15 +33,6 @@ const ROWS: usize = 500;
 
 /// Passes over the joints for the ways in which their motors turn: the sign of one shows only where those of its neighbours are right.
 const PASSES: usize = 3;
-
-/// Gears that all joints which turn share.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Gears {
-    /// Turns of the motor per turn of the joint.
-    pub ratio: f64,
-    /// Whether some motors turn the other way than their joints.
-    pub some_reversed: bool,
-}
 
 /// The gears behind which positions explain the torques clearly better than those in any unit do, and than the `units` that the positions
 /// of each joint seem to be in. Motors may turn the other way than their joints: where no unit explains the torques, so do those that then

@@ -11,6 +11,6 @@ mod scaled;
 mod turns;
 
 pub(crate) use clock::{clock_factor, clock_text, torques_deny_clock};
-pub(crate) use gears::{Gears, ratio as gear_ratio};
+pub(crate) use gears::ratio as gear_ratio;
 pub(crate) use mixed::in_si_units;
 pub(crate) use turns::are_turns;

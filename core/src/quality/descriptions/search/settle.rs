@@ -2,7 +2,7 @@
 
 use super::smallest::{Found, Outcome};
 use crate::quality::descriptions::change::{Change, Description};
-use crate::quality::descriptions::compare::{EXPLAINED, compare};
+use crate::quality::descriptions::compare::{Comparison, EXPLAINED, compare};
 use crate::quality::descriptions::fitting::{Physics, Rows};
 use crate::quality::descriptions::known::Known;
 use crate::quality::descriptions::shares::{ALIKE, WRONG_MASSES};
@@ -15,6 +15,9 @@ use crate::robot::Robot;
 /// centimetres turn the weight of a link as zeros do, and zeros of two axes make up for a part of any wrong bodies. Under bodies that are
 /// right both leave the same, and those that are wrong by a twentieth half as much again.
 const LIKE_FREE: f64 = 1.5;
+
+/// Centres of mass are off by so much, m: a torque that is no more than the weight which its joint carries over that length shows no zero.
+const CENTER_OFF: f64 = 0.02;
 
 /// Positions leave the limits from this on, rad (m): zeros of calibrated joints are known better.
 const LEAVES: f64 = 0.1;
@@ -102,10 +105,16 @@ pub(in crate::quality::descriptions) fn are_of_bodies(
     if zeros == 0 {
         return true;
     }
-    let feel = (0..robot.dof()).filter(|&joint| rows.measured[joint] && robot.feels_gravity(joint)).count();
+    let carried = |joint: usize| robot.joints[joint..].iter().map(|link| link.inertia.mass()).sum::<f64>();
+    let shows = |joint: usize| {
+        let heavy = rows.size[joint] > CENTER_OFF * robot.gravity.norm() * carried(joint);
+        rows.measured[joint] && robot.feels_gravity(joint) && (heavy || !rows.turns[joint])
+    };
+    let showing: Vec<usize> = (0..robot.dof()).filter(|&joint| shows(joint)).collect();
     let before = Tried::new(bodies, rows, start.clone());
     let gain = before.and_then(|before| compare(&before.evaluation, &found.evaluation, &rows.log));
-    if gain.is_none_or(|gain| gain.gaining() < feel.min(zeros + 1)) {
+    let gaining = |gain: Comparison| showing.iter().filter(|&&joint| gain.falls(joint)).count();
+    if gain.map(gaining).is_none_or(|gaining| gaining == 0 || gaining < showing.len().min(zeros + 1)) {
         return false;
     }
     let by_free = |description: &Description| {

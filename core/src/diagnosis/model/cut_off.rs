@@ -22,7 +22,7 @@ pub(crate) fn slope_beyond(arm: &Arm, rows: &Rows, joint: usize, level: f64) -> 
 
 /// A level at which torque is cut off, with its standard deviation, N m.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct FlatLevel {
+pub(crate) struct FlatLevel {
     /// Mean of the measured torque where it is cut off.
     pub level: f64,
     /// Scatter of that between excursions, whatever the noise is within one (Liang and Zeger, Biometrika 73, 1986); zero of one alone.
@@ -31,7 +31,7 @@ pub(super) struct FlatLevel {
 
 /// The level of the measured torque of `joint` where the arm as found has more than about `level`, N m. A fit of what is cut off takes
 /// rounded corners and errors of the peaks for a lower one. None where no excursion is long enough.
-pub(super) fn flat_level(arm: &Arm, rows: &Rows, joint: usize, level: f64) -> Option<FlatLevel> {
+pub(crate) fn flat_level(arm: &Arm, rows: &Rows, joint: usize, level: f64) -> Option<FlatLevel> {
     let logs = rows.logs.iter().enumerate().skip(rows.before);
     let models: Vec<(Vec<f64>, &Log)> = logs
         .map(|(index, log)| {

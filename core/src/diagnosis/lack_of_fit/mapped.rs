@@ -173,10 +173,10 @@ mod tests {
 
     #[test]
     fn what_is_significant_and_clear_of_the_noise_is_told() {
-        let [left] = &reported(&map(0.6, 0.009, None), 15.0)[..] else { panic!() };
+        let [left] = &reported(&map(0.6, 0.0049, None), 15.0)[..] else { panic!() };
         assert!(left.structure == Kind::SlowTime.meaning() && (left.share - 0.25).abs() < 1e-12 && !left.certain);
-        // A fifth of the level decides, and a quarter of the residual, which is 1.2.
-        assert!(reported(&map(0.6, 0.011, None), 15.0).is_empty());
+        // A tenth of alpha decides, and a quarter of the residual, which is 1.2.
+        assert!(reported(&map(0.6, 0.0051, None), 15.0).is_empty());
         assert!(reported(&map(0.29, 0.001, None), 15.0).is_empty());
         assert_eq!(reported(&map(0.31, 0.001, None), 15.0).len(), 1);
         assert_eq!(reported(&map(0.1, 0.001, Some((0.31, 1e-3))), 15.0)[0].structure, LINE);

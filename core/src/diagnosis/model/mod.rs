@@ -25,7 +25,7 @@ pub(crate) use arm_model::ArmModel;
 pub(crate) use blocks::{MemberBlock, ParameterBlocks};
 pub use candidates::{Candidate, Family, is_candidate, places};
 pub(crate) use candidates::{Slot, all_candidates, carried_on, columns, columns_in, extent, is_wanted, renewed};
-pub(crate) use cut_off::{flat_level, slope_beyond};
+pub(crate) use cut_off::{FlatLevel, flat_level, slope_beyond};
 pub use data_set::DataSet;
 pub(crate) use errors_in_variables::Nuisances;
 pub(crate) use known::Known;

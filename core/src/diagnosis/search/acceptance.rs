@@ -6,7 +6,7 @@ use crate::diagnosis::evidence::{
     Gains, Judged, Multiplicity, cross_validated_residual, log_p_adjusted, without_influential_blocks,
 };
 use crate::diagnosis::logs::Rows;
-use crate::diagnosis::model::{Candidate, DataSet, Member, Session, flat_level, is_level, slope_beyond};
+use crate::diagnosis::model::{Candidate, DataSet, FlatLevel, Member, Session, flat_level, is_level, slope_beyond};
 use crate::diagnosis::noise::Whitener;
 use crate::diagnosis::regression::{Column, Projection, Solved};
 use crate::effects::{Hidden, Nature, Placed, Site};
@@ -125,11 +125,12 @@ impl Trial<'_> {
     }
 
     /// Whether the torque of a joint stays within the level at which it is cut off, which is about `limit`, to a share that matters and the
-    /// noise of its sensor.
+    /// noise of its sensor. What is cut off has one level: the lowest within its scatter counts.
     fn exceeded(&self, joint: usize, limit: f64) -> Judgement {
         let Session { logs, model, criteria, .. } = self.session;
         let rows = &logs.train.rows;
-        let level = flat_level(&model.arm, rows, joint, limit).map_or(limit, |flat| flat.level);
+        let lowest = |flat: FlatLevel| flat.level - criteria.levels.significant_std() * flat.std;
+        let level = flat_level(&model.arm, rows, joint, limit).map_or(limit, lowest);
         let largest = rows.torque[joint].iter().fold(0.0f64, |most, torque| most.max(torque.abs()));
         let noise = criteria.levels.far * rows.sensor_noise(joint, 1);
         Judgement::at_most(Gate::Exceeded, (largest - noise) / level, 1.0 + criteria.share_of_torque)

@@ -2,7 +2,7 @@
 
 use super::smallest::{Found, Outcome};
 use crate::quality::descriptions::change::{Change, Description};
-use crate::quality::descriptions::compare::{Comparison, EXPLAINED, compare};
+use crate::quality::descriptions::compare::{EXPLAINED, compare};
 use crate::quality::descriptions::fitting::{Physics, Rows};
 use crate::quality::descriptions::known::Known;
 use crate::quality::descriptions::shares::{ALIKE, WRONG_MASSES};
@@ -92,29 +92,25 @@ fn with_directions(physics: &Physics, rows: &Rows, mut found: Found) -> Found {
 }
 
 /// Whether zeros that described bodies show, if there are any, are those of bodies that are described rightly: with them these leave about
-/// as much of the torques as free ones do, and more torques gain than there are zeros, of those that feel gravity. A centre of mass that is
-/// off turns the weight on one joint as its zero does, and a zero turns that on others too. `found` is what was found under the described
-/// `bodies` of `robot`.
+/// as much of the torques as free ones do, and a torque gains that is more than centres of mass make which are a little off: these turn the
+/// weight on a joint as its zero does. `found` is what was found under the described `bodies` of `robot`.
 pub(in crate::quality::descriptions) fn are_of_bodies(
     (robot, bodies, free): (&Robot, &Physics, &Physics),
     rows: &Rows,
     start: &Description,
     found: &Tried,
 ) -> bool {
-    let zeros = found.description.changes.iter().filter(|change| matches!(change, Change::ZeroOffset(..))).count();
-    if zeros == 0 {
+    if !found.description.changes.iter().any(|change| matches!(change, Change::ZeroOffset(..))) {
         return true;
     }
     let carried = |joint: usize| robot.joints[joint..].iter().map(|link| link.inertia.mass()).sum::<f64>();
     let shows = |joint: usize| {
         let heavy = rows.size[joint] > CENTER_OFF * robot.gravity.norm() * carried(joint);
-        rows.measured[joint] && robot.feels_gravity(joint) && (heavy || !rows.turns[joint])
+        rows.measured[joint] && (heavy || !rows.turns[joint])
     };
-    let showing: Vec<usize> = (0..robot.dof()).filter(|&joint| shows(joint)).collect();
     let before = Tried::new(bodies, rows, start.clone());
     let gain = before.and_then(|before| compare(&before.evaluation, &found.evaluation, &rows.log));
-    let gaining = |gain: Comparison| showing.iter().filter(|&&joint| gain.falls(joint)).count();
-    if gain.map(gaining).is_none_or(|gaining| gaining == 0 || gaining < showing.len().min(zeros + 1)) {
+    if gain.is_none_or(|gain| !(0..robot.dof()).any(|joint| shows(joint) && gain.falls(joint))) {
         return false;
     }
     let by_free = |description: &Description| {

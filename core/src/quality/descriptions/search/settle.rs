@@ -17,7 +17,7 @@ use crate::robot::Robot;
 const LIKE_FREE: f64 = 1.5;
 
 /// Centres of mass are off by so much, m: a torque that is no more than the weight which its joint carries over that length shows no zero.
-const CENTER_OFF: f64 = 0.02;
+const CENTER_OFF: f64 = 0.01;
 
 /// Positions leave the limits from this on, rad (m): zeros of calibrated joints are known better.
 const LEAVES: f64 = 0.1;

@@ -97,7 +97,7 @@ fn zeros_that_described_bodies_show_need_these_to_be_right() {
     assert!(trusted(&heavier, as_given.clone()));
 }
 
-/// A torque that is less than the weight which its joint carries makes at 2 cm may come from a centre of mass that is off.
+/// A torque that is less than the weight which its joint carries makes at 1 cm may come from a centre of mass that is off.
 #[test]
 fn a_light_torque_shows_no_zero() {
     let trusted = |robot: &Robot| {

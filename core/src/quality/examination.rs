@@ -64,11 +64,8 @@ pub fn examine_together(logs: &[&Sieved], robot: Option<&Robot>) -> Result<Toget
         torques.push(usable);
     }
     let with_torque: Vec<usize> = (0..logs.len()).filter(|&log| torques[log].is_some()).collect();
-    let mut views: Vec<View> = torques.iter().flatten().map(|log| View::new(log, robot)).collect::<Result<_>>()?;
-    for (view, robot) in views.iter_mut().zip(std::iter::repeat(robot)).filter_map(|(view, robot)| Some((view, robot?)))
-    {
-        view.late = torque::late(view, robot);
-    }
+    let views = torques.iter().flatten().map(|(log, late)| Ok(View { late: *late, ..View::new(log, robot)? }));
+    let views: Vec<View> = views.collect::<Result<_>>()?;
     let all: Vec<&View> = views.iter().collect();
     let descriptions::Judged { verdict, tilt } = descriptions::judge(&all, robot);
     let by_themselves =
@@ -136,8 +133,8 @@ pub fn examine_together(logs: &[&Sieved], robot: Option<&Robot>) -> Result<Toget
 }
 
 /// Examines all of a log but its description, and returns it at even steps without long gaps where torques can be compared
-/// with motion.
-fn examine_alone(sieved: &Sieved, robot: Option<&Robot>) -> Result<(Report, Option<Recording>)> {
+/// with motion, with the samples by which they come behind it.
+fn examine_alone(sieved: &Sieved, robot: Option<&Robot>) -> Result<(Report, Option<(Recording, isize)>)> {
     let recording = &sieved.recording;
     let clock = Clock::new(recording);
     let known = with_all_torques(recording);
@@ -248,13 +245,13 @@ fn examine_alone(sieved: &Sieved, robot: Option<&Robot>) -> Result<(Report, Opti
         let view = corrected_view.as_ref().unwrap_or(view);
         let moves = findings.iter().all(|finding| finding.severity != Severity::Fatal);
         if moves && !positions_doubtful && !time_unknown {
-            let (found, condition) = torque::findings(view, &mut summaries, robot);
-            findings.extend(found);
-            condition_number = condition;
+            let torques = torque::examined(view, &mut summaries, robot);
+            findings.extend(torques.findings);
+            condition_number = torques.condition_number;
             unsigned = lost_signs::without_sign(view, &findings);
             let mut log = view.log.clone();
             unsigned.iter().for_each(|&joint| log.tau.channel_mut(joint).fill(0.0));
-            comparable = Some(log).filter(|_| unsigned.len() < recording.joints());
+            comparable = Some((log, torques.late)).filter(|_| unsigned.len() < recording.joints());
         }
     }
     findings.sort_by_key(|finding| std::cmp::Reverse(finding.severity));

@@ -192,7 +192,8 @@ fn descriptions_are_judged_on_torques_at_their_time() {
             (by..tau.len()).for_each(|i| sieved.recording.tau.channel_mut(joint)[i] = tau[i - by]);
         }
         let view = View::new(&sieved.recording, Some(&robot)).unwrap();
-        super::torque::late(&view, &robot)
+        let mut summaries = motion::summaries(&view, Some(&robot));
+        torque::examined(&view, &mut summaries, Some(&robot)).late
     };
     assert_eq!([late(0), late(1), late(3)], [0, 0, 3]);
 }

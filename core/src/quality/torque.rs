@@ -36,14 +36,23 @@ const POOR: f64 = 2000.0;
 /// Share of the longest column of the base parameters up to which one is rounding: nothing in the motion depends on its parameter.
 const ROUNDING: f64 = 1e-9;
 
-/// Findings about torque, and the condition number where the arm is known. Fills in the estimates of the joints' models.
-pub(super) fn findings(
-    view: &View,
-    summaries: &mut [JointSummary],
-    robot: Option<&Robot>,
-) -> (Vec<Finding>, Option<f64>) {
-    let reach = reach(view);
-    let Some(rows) = rows(view, reach) else { return (Vec::new(), None) };
+/// What the torques of a log show.
+#[derive(Default)]
+pub(super) struct Torques {
+    /// Findings about them.
+    pub findings: Vec<Finding>,
+    /// Condition number of the base parameters, where the arm is known.
+    pub condition_number: Option<f64>,
+    /// Samples by which they come behind the motion where the joints agree on a time; zero where they do not.
+    pub late: isize,
+}
+
+/// Examines the torques of a log, and fills in the estimates of the joints' models.
+pub(super) fn examined(view: &View, summaries: &mut [JointSummary], robot: Option<&Robot>) -> Torques {
+    let reach = ((REACH_S / view.period) as usize).clamp(2, 60);
+    let Some(last) = view.log.samples().checked_sub(2 * reach + 1) else { return Torques::default() };
+    let step = last.div_ceil(ROWS).max(1);
+    let rows: Vec<usize> = (reach..reach + last).step_by(step).collect();
     let motion = picked(view, &rows);
     let model = robot.map(Model::new);
     let columns = match &model {
@@ -62,7 +71,8 @@ pub(super) fn findings(
         summaries[joint].constant = fit.constant(tau);
         // A torque that is no measurement in parts lags nothing.
         if robot.is_some() && channels::spoilt(view, joint).is_empty() {
-            let with_reversals = with_reversals(view, joint, &columns[joint], &rows);
+            let with_reversals = columns[joint].iter().map(<[f64]>::to_vec).chain(after_reversals(view, joint, &rows));
+            let with_reversals = Channels::from_vectors(&with_reversals.collect::<Vec<_>>());
             let fit = JointFit::new(&with_reversals, &rows, motion.qd.channel(joint), view.band[joint], all);
             let lag = fit.and_then(|fit| Search::Near(reach).lag(&fit, tau));
             summaries[joint].dead_time_s = lag.map(|lag| lag.samples * view.period);
@@ -87,40 +97,8 @@ pub(super) fn findings(
         );
         out.push(Finding::new(Kind::PoorExcitation, Severity::Note, "motion", text));
     }
-    (out, condition)
-}
-
-/// Samples by which the torques come behind the motion where the joints of `robot` agree on a time; zero where they do not.
-pub(super) fn late(view: &View, robot: &Robot) -> isize {
-    let reach = reach(view);
-    let Some(rows) = rows(view, reach) else { return 0 };
-    let motion = picked(view, &rows);
-    let columns = Model::new(robot).columns(&motion, 0.0);
-    let mut lags = Lags::default();
-    for joint in (0..view.dof()).filter(|&joint| channels::spoilt(view, joint).is_empty()) {
-        let columns = with_reversals(view, joint, &columns[joint], &rows);
-        let fit = JointFit::new(&columns, &rows, motion.qd.channel(joint), view.band[joint], |_| true);
-        lags.add(joint, fit.and_then(|fit| Search::Near(reach).lag(&fit, view.tau.channel(joint))));
-    }
-    lags.in_common(view).map_or(0, |seconds| (seconds / view.period).round() as isize)
-}
-
-/// Samples to either side within which a lag is near.
-fn reach(view: &View) -> usize {
-    ((REACH_S / view.period) as usize).clamp(2, 60)
-}
-
-/// Samples on which lags are compared; None where the log is too short.
-fn rows(view: &View, reach: usize) -> Option<Vec<usize>> {
-    let last = view.log.samples().checked_sub(2 * reach + 1)?;
-    let step = last.div_ceil(ROWS).max(1);
-    Some((reach..reach + last).step_by(step).collect())
-}
-
-/// Columns of a joint, and those of [`after_reversals`].
-fn with_reversals(view: &View, joint: usize, columns: &Channels, rows: &[usize]) -> Channels {
-    let all = columns.iter().map(<[f64]>::to_vec).chain(after_reversals(view, joint, rows));
-    Channels::from_vectors(&all.collect::<Vec<_>>())
+    let late = near.in_common(view).map_or(0, |seconds| (seconds / view.period).round() as isize);
+    Torques { findings: out, condition_number: condition, late }
 }
 
 /// The smoothed motion at some samples.

@@ -16,25 +16,26 @@ fn two_joints(t: f64) -> String {
     [2.1, 2.9, 1.7, 3.7].map(signal).join(",")
 }
 
-#[test]
-fn columns_may_be_called_for_the_motors_of_a_model() {
+/// A log of the two joints with these columns, and what an inspection of it says.
+fn inspected(columns: &str) -> (Case, String) {
     let case = Case::new(&[]);
     case.write("two.xml", MODEL);
-    case.write("log.csv", &sines("t,qpos_shoulder,qpos_elbow,actuator_force_m1,actuator_force_m2", two_joints));
+    case.write("log.csv", &sines(columns, two_joints));
     let said = case.tauscope(&["inspect", "log.csv", "--robot", "two.xml"]);
     assert_done(&said);
-    let said = text(&said.stdout);
+    let said = text(&said.stdout).to_owned();
+    (case, said)
+}
+
+#[test]
+fn columns_may_be_called_for_the_motors_of_a_model() {
+    let (_, said) = inspected("t,qpos_shoulder,qpos_elbow,actuator_force_m1,actuator_force_m2");
     assert!(said.contains("m1 for shoulder and so on") && said.contains("gear_ratio = [50.0, 30.0]"), "{said}");
 }
 
 #[test]
 fn torques_of_some_joints_and_currents_of_others_are_taken_together_as_the_note_tells() {
-    let case = Case::new(&[]);
-    case.write("two.xml", MODEL);
-    case.write("log.csv", &sines("t,shoulder_position,elbow_position,shoulder_effort,elbow_current", two_joints));
-    let said = case.tauscope(&["inspect", "log.csv", "--robot", "two.xml"]);
-    assert_done(&said);
-    let said = text(&said.stdout);
+    let (case, said) = inspected("t,shoulder_position,elbow_position,shoulder_effort,elbow_current");
     let start = said.find("[columns] tau").unwrap_or_else(|| panic!("{said}"));
     let told = said[start..].split(", with 1 where").next().unwrap().replace(", [", "\n[").replace("] ", "]\n");
     let dataset =

@@ -311,13 +311,12 @@ pub(super) fn beyond_sampling(session: &Session, found: &Found, noise: &[f64]) -
         return Ok(None);
     }
     let Criteria { levels, verdict, .. } = &session.criteria;
-    let sample_s = session.logs.train.rows.logs.first().map_or(0.0, |log| log.period);
     let time_s = placed.parameters[0].abs();
     let test = &session.logs.test.rows;
     let added = session.model.arm.added_throughout(std::slice::from_ref(placed), test)?;
     let size = rms(&test.valid, &added[0]).iter().zip(noise).map(|(added, noise)| added / noise).fold(0.0, f64::max);
     let is_felt = time_s > verdict.sampling_s && size >= levels.bound_std;
-    Ok(Some(Judgement::above(Gate::Sampling, time_s / sample_s, 1.0).or(is_felt)))
+    Ok(Some(Judgement::above(Gate::Sampling, time_s / session.sample_s(), 1.0).or(is_felt)))
 }
 
 /// What to do next, where the question is what changed or what is; `described` is the root mean square that the arm as described leaves of the held-out logs, `left` that of the extended

@@ -4,7 +4,7 @@
 use crate::diagnosis::criteria::{Gate, Judgement};
 use crate::diagnosis::model::{Candidate, Session, bends, extent, is_level, linear};
 use crate::diagnosis::regression::{Column, Test, combined, rms};
-use crate::effects::{Parameter, Role};
+use crate::effects::{Parameter, Placed, Role};
 
 impl Session<'_> {
     /// The gate that an estimate fails which is beyond its bounds by more than its uncertainty, or of another size than its columns. A change
@@ -58,28 +58,37 @@ impl Session<'_> {
         }
         let mut placed = candidate.placed.clone();
         linear(effect).iter().zip(&test.values).for_each(|(&index, &value)| placed.parameters[index] = value);
-        let can_be = effect.is_believable(&placed.parameters, placed.joint, self.model.base.robot());
-        let believable = Judgement::at_most(Gate::Believable, f64::from(u8::from(!can_be)), 0.0);
-        let in_proportion = Judgement::at_most(Gate::InProportion, self.proportion(candidate, test), 1.0);
-        Judgement::first_failed([believable, in_proportion])
+        let in_proportion = || Judgement::at_most(Gate::InProportion, self.proportion(candidate, test), 1.0);
+        Judgement::first_failed([self.believable(&placed)]).or_else(|| Judgement::first_failed([in_proportion()]))
+    }
+
+    /// Whether a machine can have a law with its parameters.
+    pub(crate) fn believable(&self, Placed { effect, joint, parameters }: &Placed) -> Judgement {
+        let can_be = is_level(*effect) || effect.is_believable(parameters, *joint, self.model.base.robot());
+        Judgement::at_most(Gate::Believable, f64::from(u8::from(!can_be)), 0.0)
     }
 
     /// The torque of an estimate over what can be of its joint's: on the valid rows, and for friction in all others too, to which a law that
     /// hardly reaches the valid rows is carried on.
     fn proportion(&self, candidate: &Candidate, test: &Test) -> f64 {
         let effect = candidate.placed.effect;
+        let (dry, share) = (effect.about().dry, effect.largest_share());
         let mut most = 0.0f64;
-        if effect.about().dry {
+        if !dry && share.is_none() {
+            return most;
+        }
+        let own = combined(&candidate.columns, &test.values);
+        if dry {
             let largest = |values: &[f64]| values.iter().fold(0.0f64, |most, value| most.max(value.abs()));
-            for (joint, values) in &combined(&candidate.columns, &test.values).parts {
+            for (joint, values) in &own.parts {
                 let (friction, torque) = (largest(values), largest(&self.logs.train.rows.torque[*joint]));
                 most = most.max(if friction > 0.0 { friction / torque } else { 0.0 });
             }
         }
-        let Some(share) = effect.largest_share() else { return most };
+        let Some(share) = share else { return most };
         let valid = &self.logs.train.rows.valid;
         let joint = candidate.placed.joint;
-        let of_effect = rms(valid, &combined(&candidate.columns, &test.values))[joint];
+        let of_effect = rms(valid, &own)[joint];
         let all = Column::on(joint, self.logs.train.rows.torque[joint].clone());
         // A wrist that carries next to nothing has the offset and the hoses of a drive that could carry more.
         let limit = self.model.base.robot().joints[joint].limits.effort;

@@ -7,7 +7,7 @@ use crate::effects::{Placed, behind_encoder, unsmoothed};
 use crate::error::Result;
 use crate::identification::low_passed::{ORDER, block, differentiated, low_passed};
 use crate::recording::Recording;
-use crate::signal::{Slow, ZeroPhaseLowPass, block_means, noise_floor, smooth_derivatives};
+use crate::signal::{Slow, ZeroPhaseLowPass, block_means, first_derivative, noise_floor, smooth_derivatives};
 use rayon::prelude::*;
 use std::f64::consts::PI;
 use std::sync::OnceLock;
@@ -192,9 +192,7 @@ impl Log {
         ZeroPhaseLowPass::new(ORDER, hz, rate_hz)?.apply(measured, &mut motion)?;
         let mut above: Vec<f64> = measured.iter().zip(&motion).map(|(q, slow)| q - slow).collect();
         let mut rate = vec![0.0; above.len()];
-        for k in 1..above.len().saturating_sub(1) {
-            rate[k] = 0.5 * (above[k + 1] - above[k - 1]) * rate_hz;
-        }
+        first_derivative(&above, self.period, &mut rate)?;
         let mut sizes: Vec<f64> = above.iter().map(|x| x.abs()).collect();
         let middle = sizes.len() / 2;
         let usual = sizes.select_nth_unstable_by(middle, f64::total_cmp).1.to_owned();

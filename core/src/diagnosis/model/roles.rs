@@ -52,11 +52,6 @@ pub(crate) fn is_shift(effect: &dyn Effect) -> bool {
     matches!(effect.about().nature, Nature::Lag | Nature::Delay)
 }
 
-/// Whether an effect moves torque by no more than a sample and `most_s`, s: sampling of the loop does that, whatever the noise.
-pub(crate) fn sampling_makes(placed: &Placed, sample_s: f64, most_s: f64) -> bool {
-    is_shift(placed.effect) && placed.parameters[0].abs() <= sample_s.min(most_s)
-}
-
 /// Time around the beginning and the end of an event in which its torque is not known, s: it may come at once or build up, and smooth
 /// positions do not follow the jerk that it gives the arm.
 pub(crate) const ENDS_OF_EVENT_S: f64 = 0.15;

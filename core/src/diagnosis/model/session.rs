@@ -71,6 +71,17 @@ impl<'a> Session<'a> {
         errors
     }
 
+    /// Time between two samples of the first training log, s.
+    pub(crate) fn sample_s(&self) -> f64 {
+        self.logs.train.rows.logs.first().map_or(0.0, |log| log.period)
+    }
+
+    /// Whether an effect moves torque by no more than the sampling of the loop does, whatever the noise.
+    pub(crate) fn sampling_makes(&self, placed: &Placed) -> bool {
+        let most_s = self.sample_s().min(self.criteria.verdict.sampling_s);
+        is_shift(placed.effect) && placed.parameters[0].abs() <= most_s
+    }
+
     /// Places of the parameters of the model with `members`.
     pub(crate) fn blocks(&self, members: &[Member]) -> ParameterBlocks {
         self.model.blocks(&self.logs.train, members)

@@ -114,19 +114,11 @@ impl<'a> Session<'a> {
         let mut columns = [of_joints(&self.logs.train)?, of_joints(&self.logs.test)?];
         let bands = columns[0].len() - FEEDBACK * dof;
         let of_joint = |joint: usize| bands + FEEDBACK * joint..bands + FEEDBACK * (joint + 1);
-        let held_out = self.baseline_residual_on(&self.logs.test, &fit.whitener)?;
-        let on_held_out = fit.whitener.on(&self.logs.test.rows);
-        let contradicted = |joint: usize| {
-            let own = |all: &[Column]| of_joint(joint).map(|place| all[place].only(&[joint])).collect::<Vec<Column>>();
-            let [train, test] = [own(&columns[0]), own(&columns[1])];
-            let free = fit.projection.left_of(fit.whitener.apply_all(&train));
-            let mut after = held_out.only(&[joint]);
-            after.add(-1.0, &combined(&test, &solve(&free, &fit.projection.residual.only(&[joint])).values));
-            let gains = Gains::new(&on_held_out, &held_out, &after, &[joint], self.logs.test.rows.len());
-            tracing::debug!(joint, growth_p = gains.growth_p(), "held-out growth by what controllers make of noise");
-            gains.growth_p() < self.criteria.levels.strict_p
-        };
-        let contradicted: Vec<usize> = (0..dof).filter(|joint| contradicted(*joint)).collect();
+        let answers = |joint: &usize| of_joint(*joint).any(|place| !columns[0][place].parts.is_empty());
+        let contradicted = self.contradicted(fit, (0..dof).filter(answers).collect(), |joint| {
+            let own = |all: &[Column]| of_joint(joint).map(|place| all[place].only(&[joint])).collect();
+            [own(&columns[0]), own(&columns[1])]
+        })?;
         for place in contradicted.into_iter().flat_map(of_joint) {
             columns.iter_mut().for_each(|columns| columns[place] = Column::default());
         }
@@ -134,6 +126,31 @@ impl<'a> Session<'a> {
         let logs = self.logs.clone().with(place, &columns);
         self.logs = PreparedLogs { bands: place..place + columns[0].len(), ..logs };
         Ok(())
+    }
+
+    /// Of `joints` those on which the held-out logs contradict what the training logs estimate of columns `of` them along both, added to
+    /// `fit`.
+    fn contradicted(
+        &self,
+        fit: &Fit,
+        joints: Vec<usize>,
+        of: impl Fn(usize) -> [Vec<Column>; 2],
+    ) -> Result<Vec<usize>> {
+        if joints.is_empty() {
+            return Ok(joints);
+        }
+        let held_out = self.baseline_residual_on(&self.logs.test, &fit.whitener)?;
+        let on_held_out = fit.whitener.on(&self.logs.test.rows);
+        let is_contradicted = |joint: &usize| {
+            let [train, test] = of(*joint);
+            let free = fit.projection.left_of(fit.whitener.apply_all(&train));
+            let mut after = held_out.only(&[*joint]);
+            after.add(-1.0, &combined(&test, &solve(&free, &fit.projection.residual.only(&[*joint])).values));
+            let gains = Gains::new(&on_held_out, &held_out, &after, &[*joint], self.logs.test.rows.len());
+            tracing::debug!(joint, growth_p = gains.growth_p(), "held-out growth by what controllers make of noise");
+            gains.growth_p() < self.criteria.levels.strict_p
+        };
+        Ok(joints.into_iter().filter(is_contradicted).collect())
     }
 
     /// Fits the arm without any effect; the noise is that under it.

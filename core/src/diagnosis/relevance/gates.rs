@@ -3,11 +3,11 @@
 use super::fit::HeldFit;
 use crate::diagnosis::criteria::{Criteria, Gate, Judgement};
 use crate::diagnosis::evidence::Gains;
-use crate::diagnosis::model::{Member, Session, is_level, sampling_makes};
+use crate::diagnosis::model::{Member, Session, is_level};
 use crate::diagnosis::noise::Whitener;
 use crate::diagnosis::regression::{Column, rms};
 use crate::diagnosis::variance::{gain_over_generic_functions, torques};
-use crate::effects::{Placed, Scope, Site};
+use crate::effects::{Scope, Site};
 use crate::error::Result;
 use rayon::prelude::*;
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
@@ -92,10 +92,8 @@ impl<'a> Judge<'a> {
     /// Whether a member stays whatever the gates say: one that is held does not rest on residuals, and what the sampling makes is reported
     /// as no finding, and would be structure without it.
     fn stays(&self, member: usize) -> bool {
-        let Session { logs, criteria, .. } = self.session;
-        let sample_s = logs.train.rows.logs.first().map_or(0.0, |log| log.period);
         let Member { held, placed, .. } = &self.members[member];
-        *held || sampling_makes(placed, sample_s, criteria.verdict.sampling_s)
+        *held || self.session.sampling_makes(placed)
     }
 
     /// Judges every member at `kept` but those that stay in any case.
@@ -118,7 +116,8 @@ impl<'a> Judge<'a> {
             size => size / self.least[joint],
         };
         let relative_size = own.iter().map(relative).fold(0.0, f64::max);
-        let mut judgements = vec![self.believable(member), Judgement::at_least(Gate::Size, relative_size, 1.0)];
+        let mut judgements =
+            vec![self.session.believable(&member.placed), Judgement::at_least(Gate::Size, relative_size, 1.0)];
         let is_level = is_level(member.placed.effect);
         // Torque is cut off in a few rows of a few blocks, whose scatter indicates little.
         let strength = if is_level { None } else { self.fit.strength(kept, index) };
@@ -136,13 +135,6 @@ impl<'a> Judge<'a> {
             judgements.push(self.on_every_joint([&without[1], &with[1]]));
         }
         Judged { index, size, relative_size, judgements }
-    }
-
-    /// Whether a machine can have the law with its parameters as fitted with all others.
-    fn believable(&self, member: &Member) -> Judgement {
-        let Placed { effect, joint, parameters } = &member.placed;
-        let can_be = is_level(*effect) || effect.is_believable(parameters, *joint, self.session.model.base.robot());
-        Judgement::at_most(Gate::Believable, f64::from(u8::from(!can_be)), 0.0)
     }
 
     /// Share of the held-out residual of its `own` joints that a finding explains.

@@ -9,7 +9,7 @@ use super::parsimony::chosen;
 use super::round::Round;
 use crate::diagnosis::Options;
 use crate::diagnosis::evidence::{Multiplicity, Scan};
-use crate::diagnosis::model::{Candidate, Family, Fit, Member, MemberBlock, Session, sampling_makes};
+use crate::diagnosis::model::{Candidate, Family, Fit, Member, MemberBlock, Session};
 use crate::diagnosis::regression::Column;
 use crate::diagnosis::watch::{Progress, Watch};
 use crate::error::Result;
@@ -176,11 +176,10 @@ pub(super) fn list_alternatives(
     multiplicity: &Multiplicity,
     watch: &mut Watch,
 ) -> Result<()> {
-    let sample_s = session.logs.train.rows.logs.first().map_or(0.0, |log| log.period);
     // Where the residual is well above the noise, more rows separate rivals by what is wrong with both.
     let open = |found: &Found| {
         let misfit = round.whitener.is_misfit(&found.member.candidate.joints(), session.criteria.levels.misfit);
-        let is_reported = !sampling_makes(&found.member.placed, sample_s, session.criteria.verdict.sampling_s);
+        let is_reported = !session.sampling_makes(&found.member.placed);
         can_be_asked(found) && is_confirmable(&found.member.candidate) && !misfit && is_reported
     };
     let imitated =

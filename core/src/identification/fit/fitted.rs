@@ -132,25 +132,11 @@ pub fn fit_effects(
     preparation: Preparation,
     placed: Vec<Placed>,
 ) -> Result<Fitted> {
-    fit_effects_in(model, trust, logs, preparation, placed, &vec![true; model.dof()])
+    fit_effects_until(model, trust, logs, preparation, placed, &vec![true; model.dof()], None)
 }
 
-/// [`fit_effects`] in rows near reversals only of joints where they are to be `kept`, so that two fits are in the same rows.
-///
-/// # Errors
-/// Those of [`fit_effects`].
-pub fn fit_effects_in(
-    model: &Model,
-    trust: Trust,
-    logs: Logs,
-    preparation: Preparation,
-    placed: Vec<Placed>,
-    kept: &[bool],
-) -> Result<Fitted> {
-    fit_effects_until(model, trust, logs, preparation, placed, kept, None)
-}
-
-/// [`fit_effects_in`] that ends once `stop` is raised.
+/// [`fit_effects`] in rows near reversals only of joints where they are to be `kept`, so that two fits are in the same rows; it ends once
+/// `stop` is raised.
 ///
 /// # Errors
 /// Those of [`fit_effects`], and if it is stopped.

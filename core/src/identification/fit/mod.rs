@@ -13,5 +13,5 @@ mod separable;
 pub use between_logs::{Agreement, BetweenLogs};
 pub use constants::Constant;
 pub(in crate::identification) use fitted::fit_effects_until;
-pub use fitted::{Fitted, Logs, Rows, fit_effects, fit_effects_in};
+pub use fitted::{Fitted, Logs, Rows, fit_effects};
 pub use separable::EffectFit;

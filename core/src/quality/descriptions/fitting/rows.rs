@@ -79,23 +79,20 @@ impl Rows {
             log.extend(std::iter::repeat_n(place, blocks));
             picked.extend(own.into_iter().map(|sample| (place, sample)));
         }
-        let pick = |tables: Vec<&Channels>| -> Channels {
-            let channel = |joint: usize| picked.iter().map(|&(place, row)| tables[place].channel(joint)[row]).collect();
+        let pick = |picked: &[(usize, usize)], of: for<'v> fn(&'v View) -> &'v Channels| -> Channels {
+            let at = |joint: usize, (place, row): (usize, usize)| of(views[place]).channel(joint)[row];
+            let channel = |joint: usize| picked.iter().map(|&own| at(joint, own)).collect();
             Channels::from_vectors(&(0..dof).map(channel).collect::<Vec<Vec<f64>>>())
         };
         let motion = Motion {
-            q: pick(views.iter().map(|view| &view.q).collect()),
-            qd: pick(views.iter().map(|view| &view.qd).collect()),
-            qdd: pick(views.iter().map(|view| &view.qdd).collect()),
+            q: pick(&picked, |view| &view.q),
+            qd: pick(&picked, |view| &view.qd),
+            qdd: pick(&picked, |view| &view.qdd),
         };
-        let torque = |joint: usize| -> Vec<f64> {
-            let at = |&(place, row): &(usize, usize)| {
-                let sample = row.saturating_add_signed(views[place].late).min(views[place].log.samples() - 1);
-                views[place].tau.channel(joint)[sample]
-            };
-            picked.iter().map(at).collect()
-        };
-        let tau = Channels::from_vectors(&(0..dof).map(torque).collect::<Vec<Vec<f64>>>());
+        for (place, row) in &mut picked {
+            *row = row.saturating_add_signed(views[*place].late).min(views[*place].log.samples() - 1);
+        }
+        let tau = pick(&picked, |view| &view.tau);
         let kind = |joint: usize| robot.map(|robot| robot.joints[joint].kind);
         let moves = (0..dof).map(|joint| moves(motion.q.channel(joint), motion.qd.channel(joint), kind(joint)));
         let measured = |tau: &[f64]| tau.iter().all(|v| v.is_finite()) && tau.iter().any(|v| *v != tau[0]);

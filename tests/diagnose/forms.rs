@@ -62,13 +62,15 @@ fn a_part_of_a_sample_of_delay_is_no_finding() {
 #[test]
 fn friction_that_turns_over_some_speed_is_no_finding() {
     let speed_laws = ["stribeck_friction", "nonlinear_viscous_friction", "presliding_hysteresis"];
-    for rounding in [Rounding::Tanh(0.03), Rounding::Ramp(0.08), Rounding::Root(0.02)] {
+    for rounding in [Rounding::Tanh(0.03), Rounding::Ramp(0.08), Rounding::Constraint(0.5), Rounding::Root(0.02)] {
         let smooth = |mut log: Recording| {
-            let qd = log.truth.as_ref().unwrap().qd.clone();
+            let truth = log.truth.as_ref().unwrap();
+            let (qd, qdd) = (truth.qd.clone(), truth.qdd.clone());
             log.tau = log.tau.map(|joint, tau| {
                 let dry = SETUP.plant.joints[joint].drive.coulomb;
-                let turned = |v: &f64| dry * (rounding.direction(*v) - v.signum());
-                tau.iter().zip(qd.channel(joint)).map(|(tau, v)| tau + turned(v)).collect()
+                let moving = qd.channel(joint).iter().zip(qdd.channel(joint));
+                let turned = moving.map(|(&v, &a)| dry * (rounding.direction(v, a) - v.signum()));
+                tau.iter().zip(turned).map(|(tau, turned)| tau + turned).collect()
             });
             log
         };

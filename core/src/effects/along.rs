@@ -54,7 +54,10 @@ impl<'a> Along<'a> {
         motion: &'a Motion,
         rounding: &[Rounding],
     ) -> Self {
-        let turned = |joint: usize, signal: &[f64]| signal.iter().map(|&v| rounding[joint].direction(v)).collect();
+        let turned = |joint: usize, signal: &[f64]| {
+            let accelerations = motion.qdd.channel(joint);
+            signal.iter().zip(accelerations).map(|(&v, &a)| rounding[joint].direction(v, a)).collect()
+        };
         let heading = motion.qd.map(turned);
         Along { robot, chain, time, motion, direction: heading, load: OnceLock::new() }
     }
@@ -128,7 +131,7 @@ impl From<Channels> for Contribution {
 /// makes it unreliable; a width of zero gives the plain sign.
 #[inline]
 pub fn direction(velocity: f64, width: f64) -> f64 {
-    Rounding::Tanh(width).direction(velocity)
+    Rounding::Tanh(width).direction(velocity, 0.0)
 }
 
 /// Torque that each placed effect adds along a motion: its law at the joints, and what the bodies it alters need more. Effects

@@ -287,7 +287,10 @@ fn is_dry(model: &Model, b: usize) -> bool {
 /// Column of Coulomb friction: the direction of motion, with the `rounding` of each joint.
 fn dry_column(model: &Model, b: usize, rows: &Rows, rounding: &[Rounding]) -> Column {
     let on = |joint: usize| {
-        let turned = |log: &Log| log.motion.qd.channel(joint).iter().map(|&v| rounding[joint].direction(v)).collect();
+        let turned = |log: &Log| {
+            let moving = log.motion.qd.channel(joint).iter().zip(log.motion.qdd.channel(joint));
+            moving.map(|(&v, &a)| rounding[joint].direction(v, a)).collect()
+        };
         model.active(joint).contains(&b).then(|| rows.signal(turned))
     };
     Column::new((0..rows.dof()).map(|joint| on(joint).unwrap_or_default()))

@@ -1,5 +1,5 @@
-//! The Coulomb smoothing velocity. Books write a sign; simulators and drivers write tanh(v / width), a ramp or v / sqrt(v^2 + width^2),
-//! whose tails reach far beyond the rows that are left out near reversals and look like friction that falls at low speed.
+//! The Coulomb smoothing velocity. Books write a sign; simulators and drivers write tanh(v / width), a ramp, a soft constraint or
+//! v / sqrt(v^2 + width^2), whose tails reach far beyond the rows that are left out near reversals and look like friction that falls at low speed.
 //!
 //! One law that is wrong on one joint must not be taken for it: what the joints that gain most by it gain does not count, unless they gain
 //! more by it than by any friction law of speed in the library.
@@ -20,8 +20,9 @@ const WIDTHS: [f64; 8] = [0.01, 0.015, 0.02, 0.03, 0.04, 0.05, 0.07, 0.1];
 /// No share is less: so slow a joint creeps.
 const LEAST_SHARE: f64 = 1e-3;
 
-/// The same of a ramp, which ends at its width and is wide where a solver makes it of light links, ..
-const RAMPS: [f64; 5] = [0.03, 0.05, 0.08, 0.14, 0.25];
+/// The same of a ramp, which ends at its width. A solver makes it wider than most speeds of a link whose inertia is small for its
+/// friction, ..
+const RAMPS: [f64; 8] = [0.03, 0.05, 0.08, 0.14, 0.25, 0.45, 0.8, 1.5];
 /// .. and of a root, whose tails reach far where it is narrow.
 const ROOTS: [f64; 5] = [0.004, 0.007, 0.012, 0.02, 0.04];
 
@@ -115,20 +116,27 @@ pub(super) fn likeliest(session: &Session, members: &[Member]) -> Result<Likelie
     let of_all = |unit: Rounding, width: f64| shares.iter().map(|share| unit.scaled(share * width)).collect();
     let scaled = |best: &Tried, factor: f64| best.iter().map(|(own, _)| own.scaled(factor)).collect();
     // Forms are compared at the best width of each.
-    let of_form = |unit: Rounding, widths: &[f64]| -> Tried {
-        let mut best: Tried = vec![(Rounding::Sharp, 0.0); model.dof()];
-        better(&mut best, tried(widths.iter().map(|&width| of_all(unit, width)).collect()), 0.0);
+    let finer = |mut best: Tried| -> Tried {
         let finer = tried(FINER.iter().map(|&factor| scaled(&best, factor)).collect());
         better(&mut best, finer, 0.0);
         best
+    };
+    let of_form = |unit: Rounding, widths: &[f64]| -> Tried {
+        let mut best: Tried = vec![(Rounding::Sharp, 0.0); model.dof()];
+        better(&mut best, tried(widths.iter().map(|&width| of_all(unit, width)).collect()), 0.0);
+        finer(best)
     };
     // Another form, and a rounding in the place of a law of the library, must be likelier: though a rounding has fewer parameters than any
     // law.
     let Levels { log_odds: odds, misfit, .. } = session.criteria.levels;
     let clearly = session.criteria.criterion_gap();
     let mut best = of_form(Rounding::Tanh(1.0), &WIDTHS);
-    for (unit, widths) in [(Rounding::Ramp(1.0), RAMPS), (Rounding::Root(1.0), ROOTS)] {
-        better(&mut best, vec![of_form(unit, &widths)], odds);
+    let ramps = of_form(Rounding::Ramp(1.0), &RAMPS);
+    // The same widths some milliseconds ahead.
+    let constraints = gains(ramps.iter().map(|(ramp, _)| Rounding::Constraint(ramp.width())).collect());
+    let constraints = finer(constraints);
+    for of_form in [ramps, constraints, of_form(Rounding::Root(1.0), &ROOTS)] {
+        better(&mut best, vec![of_form], odds);
     }
     let finest = tried(FINEST.iter().map(|&factor| scaled(&best, factor)).collect());
     better(&mut best, finest, 0.0);

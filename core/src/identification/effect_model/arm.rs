@@ -154,8 +154,8 @@ impl Arm {
             let drive = spec.drive;
             let moving = motor.qd.channel(joint).iter().zip(motor.qdd.channel(joint));
             for (value, (&v, &a)) in torque.channel_mut(joint).iter_mut().zip(moving) {
-                *value +=
-                    drive.armature * a + drive.viscous * v + drive.coulomb * self.coulomb_rounding[joint].direction(v);
+                let direction = self.coulomb_rounding[joint].direction(v, a);
+                *value += drive.armature * a + drive.viscous * v + drive.coulomb * direction;
             }
         }
         torque

@@ -267,7 +267,7 @@ pub(super) fn withdraw(
         let excess = |rms: &[f64]| (rms[joint].powi(2) - noise[joint].powi(2)).max(0.0);
         // A finding that only comes near the law leaves a tenth of a strong one.
         let least = match excess(after) > noise[joint].powi(2) {
-            true => 1.0 - criteria.share_of_excess,
+            true => 1.0 - criteria.levels.minor,
             false => criteria.verdict.explained,
         };
         // Where nothing is left there is nothing to explain.
@@ -295,7 +295,7 @@ fn predicts(found: &Found, noise: &[f64], criteria: &Criteria) -> Judgement {
     let [before, after] =
         found.rms.each_ref().map(|rms| joints.iter().map(|&j| (rms[j] / noise[j]).powi(2)).sum::<f64>());
     // What does not grow is not worse, also where both are zero.
-    Judgement::at_most(Gate::Predicts, after / before, criteria.worse.powi(2)).or(after <= before)
+    Judgement::at_most(Gate::Predicts, after / before, criteria.worse().powi(2)).or(after <= before)
 }
 
 /// Whether a delay or a lag is more than sampling makes: torque that is held over a step is half a sample late, and read at the other end of

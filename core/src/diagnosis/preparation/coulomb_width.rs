@@ -29,9 +29,6 @@ const ROOTS: [f64; 5] = [0.004, 0.007, 0.012, 0.02, 0.04];
 const FINER: [f64; 4] = [0.8, 0.9, 1.12, 1.25];
 const FINEST: [f64; 2] = [0.95, 1.05];
 
-/// Joints whose gain does not count, where more than twice as many are left.
-const LEFT_OUT: usize = 2;
-
 /// What the rounding of the joints is taken for.
 #[derive(Debug)]
 pub(super) struct Likeliest {
@@ -124,7 +121,7 @@ pub(super) fn likeliest(session: &Session, members: &[Member]) -> Result<Likelie
     };
     // Another form, and a rounding in the place of a law of the library, must be likelier: though a rounding has fewer parameters than any
     // law.
-    let Levels { log_odds: odds, misfit, .. } = session.criteria.levels;
+    let Levels { log_odds: odds, misfit, few, .. } = session.criteria.levels;
     let clearly = session.criteria.criterion_gap();
     let mut best = of_form(Rounding::Tanh(1.0), &WIDTHS);
     for (unit, widths) in [(Rounding::Ramp(1.0), RAMPS), (Rounding::Root(1.0), ROOTS)] {
@@ -136,7 +133,7 @@ pub(super) fn likeliest(session: &Session, members: &[Member]) -> Result<Likelie
     tracing::debug!(?best, ?by_laws, "rounding of the sign of friction");
     let surely = surely(&best, &by_laws, odds);
     let gained = best.iter().zip(&surely).map(|((_, gain), surely)| if *surely { *gain } else { 0.0 }).collect();
-    if of_most(gained) < clearly {
+    if of_most(gained, few) < clearly {
         // One joint alone must be explained by its width: what is much beyond the noise may look like anything.
         let rows = whitener.rows();
         let of_noise = |joint: usize| (plain_left[joint] - 2.0 * best[joint].1) / (rows[joint] as f64) < misfit;
@@ -188,10 +185,10 @@ fn better(best: &mut Tried, tried: Vec<Tried>, by: f64) {
     }
 }
 
-/// The sum without the largest.
-fn of_most(mut gains: Vec<f64>) -> f64 {
+/// The sum without the `few` largest, where more than twice as many are left.
+fn of_most(mut gains: Vec<f64>, few: usize) -> f64 {
     gains.sort_by(f64::total_cmp);
-    let counted = gains.len() - LEFT_OUT.min(gains.len().saturating_sub(1) / 2);
+    let counted = gains.len() - few.min(gains.len().saturating_sub(1) / 2);
     gains[..counted].iter().sum()
 }
 
@@ -203,9 +200,9 @@ mod tests {
 
     #[test]
     fn what_one_or_two_joints_gain_does_not_count() {
-        assert_eq!(of_most(vec![900.0, 1.0, 2.0, 800.0, -1.0, 0.5]), 2.5);
-        assert_eq!(of_most(vec![5.0, 9.0, 4.0]), 9.0);
-        assert_eq!(of_most(vec![7.0]), 7.0);
+        assert_eq!(of_most(vec![900.0, 1.0, 2.0, 800.0, -1.0, 0.5], 2), 2.5);
+        assert_eq!(of_most(vec![5.0, 9.0, 4.0], 2), 9.0);
+        assert_eq!(of_most(vec![7.0], 2), 7.0);
     }
 
     #[test]
@@ -224,7 +221,7 @@ mod tests {
             let time = (0..4000).map(|k| 0.005 * f64::from(k)).collect();
             let (joints, tau) = (["a", "b", "c", "d"].map(String::from).to_vec(), Channels::zeros(4, 4000));
             let recording = Recording { joints, time, q, tau, ..Recording::default() };
-            Log::new(&recording, (&[5.0; 4], 5.0), None).unwrap()
+            Log::new(&recording, (&[5.0; 4], 5.0), None, &Levels::default()).unwrap()
         };
         let found = shares(&[log([2.0, 0.29, 0.012, 0.0]), log([0.1, 0.1, 0.003, 0.0])], 4);
         let wanted = [1.0, 0.29 / 0.3, 0.012 / 0.3, LEAST_SHARE];

@@ -14,9 +14,6 @@ use crate::identification::effect_model::Trust;
 use crate::identification::model::Model;
 use crate::recording::Recording;
 
-/// Largest share of the rows that are left out because smoothing bent the motion there.
-const MOST_DISTORTED: f64 = 0.1;
-
 impl<'a> Session<'a> {
     /// Makes the logs ready.
     ///
@@ -165,9 +162,11 @@ impl<'a> Session<'a> {
     fn leave_out_distorted(&mut self, whitener: &Whitener) {
         let bearable = |std: &f64| self.criteria.structure.above_noise * std;
         let bearable: Vec<f64> = whitener.innovation_std().iter().map(bearable).collect();
+        // The largest share of the rows that may be left out for this.
+        let minor = self.criteria.levels.minor;
         let smoothing = [&self.logs.train, &self.logs.test].map(|set| self.errors(set).smoothing.clone());
         for (set, smoothing) in [&mut self.logs.train, &mut self.logs.test].into_iter().zip(&smoothing) {
-            set.rows.leave_out_largest(smoothing, &bearable, MOST_DISTORTED);
+            set.rows.leave_out_largest(smoothing, &bearable, minor);
         }
         self.model.arm = self.model.known.arm.clone();
     }

@@ -62,18 +62,12 @@ impl Session<'_> {
         }
         let pooled = self.logs.apart.then(|| self.over_all_logs());
         let Likeliest { rounding, gains } = likeliest(pooled.as_ref().unwrap_or(self), members)?;
-        self.model.rounding_gains = gains;
+        self.take_rounding_gains(gains);
         if rounding == self.model.arm.coulomb_rounding {
             return Ok(false);
         }
         tracing::debug!(?rounding, "rounding of the sign of friction with what was found");
-        for data in [&mut self.logs.train, &mut self.logs.test] {
-            for (place, column) in self.model.arm.dry_columns(self.model.base, &data.rows, &rounding) {
-                data.baseline[place] = column;
-            }
-        }
-        self.model.known = self.model.known.with_coulomb_rounding(rounding.clone());
-        self.model.arm = self.model.arm.clone().with_coulomb_rounding(rounding);
+        self.round_friction(rounding);
         Ok(true)
     }
 }

@@ -59,7 +59,7 @@ impl Default for Criteria {
 
 impl Criteria {
     /// Factor over the baseline by which no joint's held-out residual may grow with a finding.
-    pub fn worse(&self) -> f64 {
+    pub(crate) fn worse(&self) -> f64 {
         1.0 + self.levels.minor
     }
 

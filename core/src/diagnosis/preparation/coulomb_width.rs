@@ -52,7 +52,7 @@ type Tried = Vec<(Rounding, f64)>;
 
 impl Session<'_> {
     /// Decides on the rounding again with `members` in the model, and returns whether it is another: what misses a load may look like
-    /// friction that turns over slowly. What is known from before a change stays, and low-pass filtered torque does not determine it.
+    /// a wide smoothing of friction's sign. What is known from before a change stays, and low-pass filtered torque does not determine it.
     ///
     /// # Errors
     /// If a log is too short to differentiate.

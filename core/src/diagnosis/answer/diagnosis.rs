@@ -338,7 +338,7 @@ pub(super) fn next_experiment(
             false => effect.to_owned(),
         };
         let [own, other] = [on(about.name, found.member.placed.joint), on(other.family.effect, other.family.joint)];
-        return format!("to tell {own} from {other}: {how}");
+        return format!("to separate {own} from {other}: {how}");
     }
     if unexplained.iter().any(|left| left.structure == LOGS_DISAGREE) {
         return "the held-out logs disagree with the training logs: check that all are of one arm with one load, and give them as training \
@@ -376,7 +376,7 @@ pub(super) fn next_experiment(
         ),
         (true, Some(joint)) => format!(
             "the description is off (the residual of {} is {:.1} times that with re-identified inertias and friction): extended.urdf holds \
-             these. To tell a payload or one wrong link: --trust nominal, or logs from before it as --reference",
+             these. A payload or one wrong link shows with --trust nominal, or with logs from before it as --reference",
             robot.joints[joint].name,
             off(joint)
         ),

@@ -182,7 +182,7 @@ fn trial(times: &mut Times) -> Result<()> {
     let fast = || {
         let run = || -> Result<()> {
             let recording = drawn()?;
-            let prepared = prepare::measured(&recording, smoothing, 0.0)?;
+            let prepared = prepare::measured(&recording, &smoothing, 0.0)?;
             let log = Log { motion: &prepared.motion, torque: &prepared.torque, valid: None };
             black_box(fused::weighted_least_squares(&model, log)?);
             Ok(())
@@ -194,7 +194,7 @@ fn trial(times: &mut Times) -> Result<()> {
     for decimation in [1, 2] {
         let smoothing = Smoothing::SavitzkyGolay { window: 31, order: 4, decimation };
         let run = || -> Result<()> {
-            let rows = prepare::measured(&drawn()?, smoothing, 0.03)?.regression(&model)?;
+            let rows = prepare::measured(&drawn()?, &smoothing, 0.03)?.regression(&model)?;
             black_box(weighted_least_squares(&rows, &names)?);
             Ok(())
         };

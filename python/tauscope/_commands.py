@@ -71,7 +71,7 @@ def identify(
     window: int | None = None,
     order: int | None = None,
     low_pass_hz: float | None = None,
-    block_means_hz: float | None = None,
+    block_means_hz: float | list[float] | None = None,
     decimation: int | None = None,
     band: float | None = None,
     seed: int | None = None,

@@ -28,7 +28,7 @@ struct Cli {
 }
 
 const LONG_ABOUT: &str = "\
-Says what the dynamic model of a robot arm misses, by how much, and what to do about it. `diagnose`, `inspect` and \
+Reports what the dynamic model of a robot arm misses, by how much, and what to do about it. `diagnose`, `inspect` and \
 `identify` work on logs of a real arm. `run` is the testbed: it simulates an arm in rapier along an excitation motion, \
 adds sensor noise, identifies the dynamic parameters and scores them against the truth. `blind`, `montecarlo` and \
 `check` measure the tool itself.

@@ -76,10 +76,10 @@ pub(super) fn smoothing(described: &Described) -> String {
             significant(torque_cutoff_hz),
             every(decimation)
         ),
-        Described::BlockMeans { order, position_cutoff_hz, block } => format!(
+        Described::BlockMeans { order, ref position_cutoffs_hz, block } => format!(
             "Block means: positions through a low-pass of order {order} forward and backward, half the amplitude at {} Hz, torque \
              and regressor as means over {block} samples",
-            significant(position_cutoff_hz)
+            position_cutoffs_hz.iter().map(|hz| significant(*hz)).collect::<Vec<_>>().join(", ")
         ),
     }
 }

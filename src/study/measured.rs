@@ -43,12 +43,12 @@ pub(crate) fn identify(
         Variant::Butterworth => Preparation { smoothing: smoothing_choice::usual_low_pass(logs.train)?, ..smoothing },
         Variant::Exact | Variant::SavitzkyGolay => smoothing,
     };
-    let fitted = fit_effects(model, Trust::Structure, logs, seen, Vec::new())?;
+    let fitted = fit_effects(model, Trust::Structure, logs, seen.clone(), Vec::new())?;
     let beta = &fitted.fit.estimate.beta;
-    let error = |recordings: &[&Recording]| torque_error(model, beta, recordings, seen, judge);
+    let error = |recordings: &[&Recording]| torque_error(model, beta, recordings, [&seen, &judge]);
     let (training, held_out) = (error(logs.train)?, error(logs.test)?);
     let rate_hz = logs.train.first().map_or(f64::NAN, |log| log.rate_hz());
-    let described = smoothing_choice::described(seen.smoothing, rate_hz)?;
+    let described = smoothing_choice::described(&seen.smoothing, rate_hz)?;
     Ok(Scored {
         variant,
         smoothing: described,
@@ -62,13 +62,12 @@ fn torque_error(
     model: &Model,
     beta: &[f64],
     logs: &[&Recording],
-    seen: Preparation,
-    judge: Preparation,
+    [seen, judge]: [&Preparation; 2],
 ) -> Result<Vec<f64>> {
     let mut errors: Vec<Vec<f64>> = vec![Vec::new(); model.dof()];
     for log in logs {
-        let prepared = prepare::measured(log, seen.smoothing, seen.band)?;
-        let judged = prepare::measured(log, judge.smoothing, judge.band)?;
+        let prepared = prepare::measured(log, &seen.smoothing, seen.band)?;
+        let judged = prepare::measured(log, &judge.smoothing, judge.band)?;
         let predicted = prepared.predict(model, beta);
         for (joint, errors) in errors.iter_mut().enumerate() {
             let both = predicted.channel(joint).iter().zip(log.tau.channel(joint));

@@ -25,7 +25,7 @@ pub fn is_short(logs: &[&Recording]) -> bool {
 /// If a log is too short for its preparation, or the simulation runs away.
 pub fn replay(robot: &Robot, logs: &[&Recording], preparation: Preparation) -> Result<Vec<Followed>> {
     let one = |log: &&Recording| {
-        let motion = prepare::measured(log, preparation.smoothing, preparation.band)?.motion;
+        let motion = prepare::measured(log, &preparation.smoothing, preparation.band)?.motion;
         follow(EngineKind::Rapier, robot, &[], &motion, log.time[0], 1.0 / log.rate_hz())
     };
     logs.par_iter().map(one).collect()

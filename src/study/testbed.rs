@@ -206,7 +206,7 @@ impl Scored {
     /// # Errors
     /// If the log is too short for the filter.
     pub fn seen<'a>(&self, setup: &Setup, run: &'a Run) -> Result<Prepared<'a>> {
-        smoothed(setup, run, self.variant, self.smoothing)
+        smoothed(setup, run, self.variant, self.smoothing.clone())
     }
 }
 
@@ -234,7 +234,7 @@ fn smoothed<'a>(setup: &Setup, run: &'a Run, variant: Variant, smoothing: Smooth
     let band = setup.scenario.identification.reversal_band_rad_s;
     match variant {
         Variant::Exact => Ok(prepare::exact(&run.truth.time, &run.truth.signals, band)),
-        _ => prepare::measured(&run.recording, smoothing, band),
+        _ => prepare::measured(&run.recording, &smoothing, band),
     }
 }
 
@@ -253,7 +253,7 @@ pub fn prepared<'a>(setup: &Setup, run: &'a Run, variant: Variant) -> Result<Pre
 pub fn identify(setup: &Setup, model: &Model, runs: &Runs, variant: Variant) -> Result<Scored> {
     let started = Instant::now();
     let smoothing = smoothing(setup, &runs.training.recording, variant)?;
-    let training = smoothed(setup, &runs.training, variant, smoothing)?;
+    let training = smoothed(setup, &runs.training, variant, smoothing.clone())?;
     let regression = training.regression(model)?;
     let names: Vec<String> = model.base().groupings().iter().map(|g| g.name.clone()).collect();
     let estimate = weighted_least_squares(&regression, &names).map_err(|problem| {
@@ -269,9 +269,12 @@ pub fn identify(setup: &Setup, model: &Model, runs: &Runs, variant: Variant) -> 
         d_beta: parameter_distance(&truth, &estimate.beta),
         relative_errors: relative_errors(&truth, &estimate.beta),
         torque_std_training_nm: torque_error(&runs.training, &training),
-        torque_std_held_out_nm: torque_error(&runs.held_out, &smoothed(setup, &runs.held_out, variant, smoothing)?),
+        torque_std_held_out_nm: torque_error(
+            &runs.held_out,
+            &smoothed(setup, &runs.held_out, variant, smoothing.clone())?,
+        ),
     };
     let residual_rms = regression.iter().map(|joint: &JointRegression| joint.residual_rms(&estimate.beta)).collect();
-    let described = smoothing_choice::described(smoothing, runs.training.recording.rate_hz())?;
+    let described = smoothing_choice::described(&smoothing, runs.training.recording.rate_hz())?;
     Ok(Scored { variant, smoothing, described, residual_rms, score, seconds, estimate })
 }

@@ -49,7 +49,7 @@ fn held_out(robot: &Robot, train: &[&Recording], test: &[&Recording], window: us
     let smoothing = Smoothing::SavitzkyGolay { window, order: 6, decimation: (window / 12).max(1) };
     let preparation = Preparation { smoothing, band: 0.03.into() };
     let logs = Logs { train, test };
-    let fitted = fit_effects(&model, Trust::Structure, logs, preparation, Vec::new()).unwrap();
+    let fitted = fit_effects(&model, Trust::Structure, logs, preparation.clone(), Vec::new()).unwrap();
     let found = consistent(&model, logs, preparation, &fitted).unwrap();
     for joint in &found.robot(robot).joints {
         assert_eq!(joint.inertia.physical_fault(0.0), None, "{}", joint.name);
@@ -71,7 +71,7 @@ fn with_effect(
     let preparation = Preparation { smoothing, band: 0.03.into() };
     let placed = Placed::typical(effects::find(effect).unwrap(), joint);
     [Vec::new(), vec![placed]]
-        .map(|placed| fit_effects(&model, trust, Logs { train, test }, preparation, placed).unwrap().test_rms)
+        .map(|placed| fit_effects(&model, trust, Logs { train, test }, preparation.clone(), placed).unwrap().test_rms)
 }
 
 #[test]

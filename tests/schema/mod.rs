@@ -1,5 +1,7 @@
 //! The JSON schema of `diagnosis.json`: what the runs of the tests write is valid, and every field is described.
 
+mod criteria;
+
 use boon::{Compiler, SchemaIndex, Schemas};
 use serde_json::Value;
 

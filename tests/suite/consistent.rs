@@ -21,10 +21,10 @@ fn the_identified_urdf_reproduces_the_identified_torque() {
     let runs = testbed::record(&setup, &mut |_| {}).unwrap();
     let model = Model::new(&setup.known);
     let smoothing = Smoothing::SavitzkyGolay { window: 61, order: 6, decimation: 5 };
-    let preparation = Preparation { smoothing, band: 0.03.into() };
+    let preparation = Preparation { smoothing: smoothing.clone(), band: 0.03.into() };
     let (train, test) = ([&runs.training.recording], [&runs.held_out.recording]);
     let logs = Logs { train: &train, test: &test };
-    let fitted = fit_effects(&model, Trust::Structure, logs, preparation, Vec::new()).unwrap();
+    let fitted = fit_effects(&model, Trust::Structure, logs, preparation.clone(), Vec::new()).unwrap();
     let found = consistent(&model, logs, preparation, &fitted).unwrap();
     println!(
         "exact {}, cost {:.3}, train {:.3?} for {:.3?}",

@@ -36,7 +36,7 @@ fn case(name: &str) -> Case {
     let model = Model::new(&setup.known);
     let typical = Placed::typical(placed.effect, placed.joint);
     Case {
-        with: fit_effects(&model, trust, logs, preparation, vec![typical]).unwrap(),
+        with: fit_effects(&model, trust, logs, preparation.clone(), vec![typical]).unwrap(),
         without: fit_effects(&model, trust, logs, preparation, Vec::new()).unwrap(),
         placed,
     }

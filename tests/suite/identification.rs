@@ -117,8 +117,8 @@ fn left(log: &Recording, trust: Trust, is_real: bool) -> (Vec<f64>, Vec<String>)
     let smoothing = Smoothing::SavitzkyGolay { window: 61, order: 6, decimation: 5 };
     let preparation = Preparation { smoothing, band: Band::OfNoise };
     let logs = Logs { train: &[log], test: &[log] };
-    let found = observed(&setup.plant, logs, preparation, trust).unwrap();
-    let fitted = fit_effects(&found.model, trust, logs, preparation, Vec::new()).unwrap();
+    let found = observed(&setup.plant, logs, preparation.clone(), trust).unwrap();
+    let fitted = fit_effects(&found.model, trust, logs, preparation.clone(), Vec::new()).unwrap();
     assert!(fitted.fit.estimate.beta.iter().chain(&fitted.fit.estimate.sigma).all(|value| value.is_finite()));
     if trust == Trust::Structure {
         let bodies = consistent(&found.model, logs, preparation, &fitted).unwrap();

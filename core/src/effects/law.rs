@@ -198,6 +198,11 @@ pub trait Effect: Sync {
         false
     }
 
+    /// Whether its parameters are the ten of a body: of a load, or of what a link has in addition to its description.
+    fn is_body(&self) -> bool {
+        self.is_load()
+    }
+
     /// Quantities by which practitioners know it.
     fn derived(&self, p: &[f64], joint: usize, robot: &Robot) -> Vec<Derived> {
         let _ = (p, joint, robot);

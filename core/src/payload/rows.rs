@@ -32,7 +32,7 @@ impl LogRows {
     pub(super) fn new(log: &Recording, model: &Model, load: &LoadColumns) -> Result<Self> {
         let Preparation { smoothing, band } = Preparation::usual(log);
         let decimation = smoothing.decimation();
-        let prepared = prepare::measured(log, smoothing, band)?;
+        let prepared = prepare::measured(log, &smoothing, band)?;
         let thinned = |table: &Channels| -> Result<Channels> {
             let channels = table.iter().map(|channel| downsample(channel, decimation)).collect::<Result<Vec<_>>>()?;
             Ok(Channels::from_vectors(&channels))

@@ -50,8 +50,15 @@ pub(crate) struct Arguments {
     low_pass_hz: Option<f64>,
     /// As `diagnose` prepares logs, in place of Savitzky-Golay: positions through a zero-phase low-pass with this cut-off, Hz
     /// (`position_cutoffs_hz` of diagnosis.json has those of a diagnosis), torque and regressor as means over 20 ms.
-    #[arg(long, value_name = "HZ", conflicts_with_all = ["window", "order", "low_pass_hz"], help_heading = "Smoothing")]
-    block_means_hz: Option<f64>,
+    /// One for all joints, or one for each, separated by commas.
+    #[arg(
+        long,
+        value_name = "HZ",
+        value_delimiter = ',',
+        conflicts_with_all = ["window", "order", "low_pass_hz"],
+        help_heading = "Smoothing"
+    )]
+    block_means_hz: Vec<f64>,
     /// Keep every N-th sample after smoothing; with block means, samples in a block. Default: that of the scenario, else a twelfth of
     /// the window; 20 ms.
     #[arg(long, value_name = "N", help_heading = "Smoothing")]
@@ -93,7 +100,7 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     let (train, test): (Vec<&Recording>, Vec<&Recording>) = (train.iter().collect(), test.iter().collect());
     let logs = fit::Logs { train: &train, test: &test };
     let question = Identification::of(&robot).train(logs.train.iter().copied()).test(logs.test.iter().copied());
-    let question = question.effects(&arguments.effect).trust(arguments.trust).preparation(preparation);
+    let question = question.effects(&arguments.effect).trust(arguments.trust).preparation(preparation.clone());
     let question = question.progress(|now| match now {
         Progress::Arm => stages.begin("identifying"),
         Progress::Bodies => stages.begin("finding consistent parameters"),
@@ -235,12 +242,13 @@ fn preparation(arguments: &Arguments, setup: Option<&Setup>, log: &Recording) ->
     }
     let band = arguments.band.or(spec.map(|s| s.reversal_band_rad_s)).map_or(Band::OfNoise, Band::Given);
     let low_pass = arguments.low_pass_hz.or(spec.and_then(|s| s.low_pass_hz).filter(|_| arguments.window.is_none()));
-    let smoothing = match (arguments.block_means_hz, low_pass) {
-        (Some(cutoff_hz), _) => {
-            Smoothing::BlockMeans { cutoff_hz, block: arguments.decimation.unwrap_or(usual_block(log.rate_hz())) }
+    let smoothing = match (&arguments.block_means_hz[..], low_pass) {
+        ([], Some(cutoff_hz)) => Smoothing::LowPass { cutoff_hz, decimation },
+        ([], None) => Smoothing::SavitzkyGolay { window, order, decimation },
+        (cutoffs_hz, _) => {
+            let block = arguments.decimation.unwrap_or(usual_block(log.rate_hz()));
+            Smoothing::BlockMeans { cutoffs_hz: cutoffs_hz.to_vec(), block }
         }
-        (None, Some(cutoff_hz)) => Smoothing::LowPass { cutoff_hz, decimation },
-        (None, None) => Smoothing::SavitzkyGolay { window, order, decimation },
     };
     Ok(Preparation { smoothing, band })
 }

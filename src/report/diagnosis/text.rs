@@ -184,7 +184,7 @@ fn missed(robot: &Robot, diagnosis: &Diagnosis, found: &Found) -> String {
     }
     if found.verdict == Verdict::Unexplained {
         let why = found.withdrawn.map_or("is not all there is", |failed| failed.gate.reason());
-        names = format!("similar to {names} (which {why})");
+        names = format!("something similar to {names} (which {why})");
     }
     let chance =
         if found.family_wise_p < SURE { "below 1e-12".to_owned() } else { format!("{:.0e}", found.family_wise_p) };
@@ -216,9 +216,7 @@ fn missed(robot: &Robot, diagnosis: &Diagnosis, found: &Found) -> String {
 
 /// What is said of a load or a link that holds joints at positions which nobody gave: another position has the mass elsewhere.
 fn of_guessed(robot: &Robot, family: Family) -> Option<String> {
-    if !["payload", "link_inertia_error"].contains(&family.effect) {
-        return None;
-    }
+    effects::find(family.effect).ok().filter(|effect| effect.is_body())?;
     let on = joints(robot, family);
     let carried = robot.guessed.iter().filter(|(_, carrier)| on.is_empty() || on.contains(carrier));
     let held: Vec<String> = carried.map(|(held, _)| held.clone()).collect();

@@ -100,7 +100,7 @@ pub(super) fn references(setup: &Setup, case: &Case, motions: &[Motion]) -> Vec<
 pub(super) fn session<'a>(setup: &Setup, model: &'a Model, logs: &[Recording], case: &Case) -> Result<Session<'a>> {
     let logs: Vec<&Recording> = logs.iter().collect();
     let mut session = Session::new(model, case.trust, &logs, &logs)?;
-    session.model.take_parameters_of(&setup.known);
+    session.take_parameters_of(&setup.known);
     Ok(session)
 }
 

@@ -222,11 +222,11 @@ impl Study {
         match signals {
             Variant::SavitzkyGolay => {
                 let (window, order, decimation) = (window as usize, spec.smoothing_order, spec.decimation);
-                measured(log, Smoothing::SavitzkyGolay { window, order, decimation }, band)
+                measured(log, &Smoothing::SavitzkyGolay { window, order, decimation }, band)
             }
-            Variant::Butterworth => measured(log, smoothing(&self.setup, log, signals)?, band),
+            Variant::Butterworth => measured(log, &smoothing(&self.setup, log, signals)?, band),
             Variant::Raw | Variant::Exact => {
-                Ok(measured(log, Smoothing::None, band)?.every(self.plan.spec.raw_decimation))
+                Ok(measured(log, &Smoothing::None, band)?.every(self.plan.spec.raw_decimation))
             }
         }
     }

@@ -265,8 +265,8 @@ fn a_fit_shows_the_identified_arm_and_the_noise_floor() {
     let logs = fit::Logs { train: &train, test: &test };
     let smoothing = Smoothing::SavitzkyGolay { window: 61, order: 6, decimation: 5 };
     let preparation = Preparation { smoothing, band: 0.03.into() };
-    let plain = fit::fit_effects(&model, Trust::Structure, logs, preparation, Vec::new()).unwrap();
-    let bodies = consistent::consistent(&model, logs, preparation, &plain).unwrap().robot(&setup.known);
+    let plain = fit::fit_effects(&model, Trust::Structure, logs, preparation.clone(), Vec::new()).unwrap();
+    let bodies = consistent::consistent(&model, logs, preparation.clone(), &plain).unwrap().robot(&setup.known);
     let replayed = replay::replay(&bodies, &test, preparation).unwrap();
 
     // The noise that the sensors add, as far as the filter lets it through: 61 samples and order 6 leave 19 % of it.

@@ -246,7 +246,7 @@ impl<'a> DiagnosisBuilder<'a> {
             return Ok(Answer { robot, alpha, logs, faults, description, units, outcome: Outcome::Stopped });
         }
         let input = logs.input(present);
-        let Observed { model, left_out } = observed(&robot, &input, &still)?;
+        let Observed { model, left_out } = observed(&robot, &input, &still, options.criteria.levels.misfit)?;
         faults.extend(left_out);
         watch.tell(Progress::Screened);
         let mut concluded = conclude(&model, &input, &options, &mut watch)?;
@@ -261,7 +261,7 @@ impl<'a> DiagnosisBuilder<'a> {
             let words = format!("; refined by the diagnosis: {}", words(Change::Gravity(gravity.into()), &[]));
             let mountings = faults.iter_mut().filter(|fault| fault.kind == Kind::Mounting);
             mountings.for_each(|fault| fault.text.push_str(&words));
-            refined = observed(&robot, &input, &still)?.model;
+            refined = observed(&robot, &input, &still, options.criteria.levels.misfit)?.model;
             concluded = conclude(&refined, &input, &options, &mut watch)?;
         }
         let outcome = Outcome::Concluded(Box::new(concluded.into_conclusion(&input.train, &truth)?));

@@ -151,7 +151,7 @@ fn identified<'a>(
     };
     let found = found_that_matter(&mut session, options, watch)?.0.found;
     effects.extend(found.iter().map(|found| found.member.placed.clone()));
-    Ok((Known { arm: session.model.arm, effects, reference: reference.to_vec() }, found))
+    Ok((Known { arm: session.into_state().model.arm, effects, reference: reference.to_vec() }, found))
 }
 
 /// What the residual of the baseline follows in all logs.
@@ -369,7 +369,8 @@ impl Concluded<'_> {
         };
         let of_encoders = [of_bands(&[], &self.first_whitener)?, of_bands(&self.members, &self.whitener)?];
         let Concluded { diagnosis, session, seed, .. } = self;
-        let replay = Replay { described, baseline, extended, rows: session.logs.test.rows, of_encoders, seed };
+        let replay =
+            Replay { described, baseline, extended, rows: session.into_state().logs.test.rows, of_encoders, seed };
         Ok(Conclusion { diagnosis, measured, accounted_for, resimulation: None, replay })
     }
 

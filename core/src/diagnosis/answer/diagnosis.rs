@@ -267,7 +267,7 @@ pub(super) fn withdraw(
         let excess = |rms: &[f64]| (rms[joint].powi(2) - noise[joint].powi(2)).max(0.0);
         // A finding that only comes near the law leaves a tenth of a strong one.
         let least = match excess(after) > noise[joint].powi(2) {
-            true => 1.0 - criteria.share_of_excess,
+            true => 1.0 - criteria.levels.minor,
             false => criteria.verdict.explained,
         };
         // Where nothing is left there is nothing to explain.
@@ -295,7 +295,7 @@ fn predicts(found: &Found, noise: &[f64], criteria: &Criteria) -> Judgement {
     let [before, after] =
         found.rms.each_ref().map(|rms| joints.iter().map(|&j| (rms[j] / noise[j]).powi(2)).sum::<f64>());
     // What does not grow is not worse, also where both are zero.
-    Judgement::at_most(Gate::Predicts, after / before, criteria.worse.powi(2)).or(after <= before)
+    Judgement::at_most(Gate::Predicts, after / before, criteria.worse().powi(2)).or(after <= before)
 }
 
 /// Whether a delay or a lag is more than sampling makes: torque that is held over a step is half a sample late, and read at the other end of
@@ -338,7 +338,7 @@ pub(super) fn next_experiment(
             false => effect.to_owned(),
         };
         let [own, other] = [on(about.name, found.member.placed.joint), on(other.family.effect, other.family.joint)];
-        return format!("to tell {own} from {other}: {how}");
+        return format!("to separate {own} from {other}: {how}");
     }
     if unexplained.iter().any(|left| left.structure == LOGS_DISAGREE) {
         return "the held-out logs disagree with the training logs: check that all are of one arm with one load, and give them as training \
@@ -376,7 +376,7 @@ pub(super) fn next_experiment(
         ),
         (true, Some(joint)) => format!(
             "the description is off (the residual of {} is {:.1} times that with re-identified inertias and friction): extended.urdf holds \
-             these. To tell a payload or one wrong link: --trust nominal, or logs from before it as --reference",
+             these. A payload or one wrong link shows with --trust nominal, or with logs from before it as --reference",
             robot.joints[joint].name,
             off(joint)
         ),

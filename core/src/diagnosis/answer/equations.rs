@@ -32,7 +32,7 @@ const ALL: &str = "all logs";
 ///
 /// # Errors
 /// If a log is too short.
-pub(super) fn observed(robot: &Robot, input: &Input, still: &[usize]) -> Result<Observed> {
+pub(super) fn observed(robot: &Robot, input: &Input, still: &[usize], misfit: f64) -> Result<Observed> {
     let all: Vec<&Recording> = input.train.iter().chain(&input.test).chain(&input.reference).copied().collect();
     let mut equations = with_torque(robot.dof(), all.iter().copied());
     let without = |joint: usize, kind: Kind, text: String| DataFault {
@@ -47,7 +47,7 @@ pub(super) fn observed(robot: &Robot, input: &Input, still: &[usize]) -> Result<
     let (early, late) = if input.test.is_empty() { split(&input.train) } else { Default::default() };
     let train = if input.test.is_empty() { early.iter().collect() } else { input.train.clone() };
     let train: Vec<&Recording> = input.reference.iter().copied().chain(train).collect();
-    let cutoff_hz = cutoff(&all)?;
+    let cutoff_hz = cutoff(&all, misfit)?;
     let counts = |logs: &[&Recording]| -> Result<Vec<usize>> {
         let valid = Rows::new(logs, cutoff_hz, 0)?.valid;
         Ok(valid.iter().map(|valid| valid.iter().filter(|&&ok| ok).count()).collect())

@@ -73,12 +73,12 @@ pub(super) fn all_inertias<'a>(
     options: &Options,
     watch: &mut Watch,
 ) -> Result<Outcome<'a>> {
-    let criteria = &options.criteria.verdict;
+    let few = options.criteria.levels.few;
     let is_body = |found: &&Found| found.member.placed.effect.about().site == Site::Body;
     let Searched { selection, structure, .. } = trusting;
     let bodies = selection.found.iter().filter(is_body).count();
     let left = certain(&structure.unexplained);
-    if (bodies <= criteria.wrong_bodies && left < criteria.wrong_bodies) || watch.is_over() {
+    if (bodies <= few && left < few) || watch.is_over() {
         return Ok(Outcome::NotAsked);
     }
     let mut session = Session::knowing(trusted.model.base, Trust::Structure, known, train, test, options.criteria)?;

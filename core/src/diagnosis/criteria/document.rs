@@ -12,7 +12,7 @@ impl Criteria {
 }
 
 fn document(criteria: &Criteria) -> Value {
-    let Criteria { levels, search, comparison, structure, verdict, .. } = criteria;
+    let Criteria { levels, search, comparison, structure, .. } = criteria;
     let [even, leans, usual, strict] =
         [levels.even_p, levels.leaning_p, levels.usual_p, levels.strict_p].map(|p| json!(p));
     let [open, sure] = [levels.open_p, levels.sure_p].map(|p| json!(p));
@@ -20,11 +20,14 @@ fn document(criteria: &Criteria) -> Value {
     let [once, in_part, misfit] =
         [search.unconfirmable, search.in_part, search.share_of_misfit].map(|number| json!(number));
     let of_bound = json!(criteria.worse_p());
+    let worse = criteria.worse();
     let shared: [(&str, &[(&str, &Value)]); 8] = [
         (
             "",
             &[
                 ("strength_p", &strict),
+                ("share_of_excess", &json!(levels.minor)),
+                ("worse", &json!(worse)),
                 ("worse_p", &of_bound),
                 ("contradicted_p", &usual),
                 ("beyond_structure", &json!(levels.log_odds)),
@@ -100,9 +103,10 @@ fn document(criteria: &Criteria) -> Value {
         (
             "/verdict",
             &[
-                ("worse", &json!(criteria.worse.powi(2))),
-                ("explained_above_noise", &json!(1.0 - criteria.share_of_excess)),
-                ("doubtful_joints", &json!(verdict.wrong_bodies - 1)),
+                ("worse", &json!(worse.powi(2))),
+                ("explained_above_noise", &json!(1.0 - levels.minor)),
+                ("wrong_bodies", &json!(levels.few)),
+                ("doubtful_joints", &json!(levels.few.saturating_sub(1))),
                 ("inertias_gain", &misfit),
                 ("sampling_size", &json!(levels.bound_std)),
                 ("misdescribed", &far),

@@ -207,7 +207,7 @@ mod tests {
         let least = Criteria::default().levels.log_odds;
         assert!(Judgement::at_least(Gate::BeyondStructure, least, least).passed);
         assert!(!Judgement::at_least(Gate::BeyondStructure, least - 1e-9, least).passed);
-        let most = Criteria::default().worse;
+        let most = Criteria::default().worse();
         assert!(Judgement::at_most(Gate::EveryJoint, most, most).passed);
         assert!(!Judgement::at_most(Gate::EveryJoint, most + 1e-9, most).passed);
         assert!(!Judgement::at_most(Gate::Strength, f64::NAN, 0.01).passed);

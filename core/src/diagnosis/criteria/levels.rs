@@ -43,8 +43,16 @@ pub struct Levels {
     pub misfit: f64,
     /// Share from which on a part is most of the whole.
     pub most: f64,
+    /// Share up to which a part is minor: a tenth of what is missing matters, and less than a tenth of the noise does not. The parameters of
+    /// the arm are estimated together, so that every joint's prediction moves by a few percent with any finding.
+    pub minor: f64,
+    /// Number of parts (blocks, joints, bodies) that may be single cases: what rests on no more of them is no property of the whole.
+    pub few: usize,
     /// Factor on what is expected, or number of standard deviations, from which a value is far from it, whatever the noise model lacks.
     pub far: f64,
+    /// Factor on the usual size of noise, in squares for bands and jumps, from which a single value stands out as something else: normal
+    /// noise exceeds seven standard deviations, ten times its median size, in no log.
+    pub stands_out: f64,
 }
 
 impl Default for Levels {
@@ -61,7 +69,10 @@ impl Default for Levels {
             bound_std: 1.0,
             misfit: 1.5,
             most: 0.5,
+            minor: 0.1,
+            few: 2,
             far: 3.0,
+            stands_out: 10.0,
         }
     }
 }

@@ -29,12 +29,6 @@ use statrs::distribution::{ChiSquared, ContinuousCDF, Normal};
 pub struct Criteria {
     /// Least size of a finding over the torque of a joint, both root mean square: below 2 % no simulation is better for it.
     pub share_of_torque: f64,
-    /// The same over the excess of the baseline's residual over the noise: a tenth of what is missing matters, and less than a tenth of the noise
-    /// does not.
-    pub share_of_excess: f64,
-    /// Factor over the baseline by which no joint's held-out residual may grow with a finding: the parameters of the arm are estimated
-    /// together, and every joint's prediction moves by a few percent with any.
-    pub worse: f64,
     /// Levels that several questions share.
     pub levels: Levels,
     /// Thresholds of what an estimate can be.
@@ -53,8 +47,6 @@ impl Default for Criteria {
     fn default() -> Self {
         Criteria {
             share_of_torque: 0.02,
-            share_of_excess: 0.1,
-            worse: 1.1,
             levels: Levels::default(),
             estimate: EstimateCriteria::default(),
             search: SearchCriteria::default(),
@@ -66,6 +58,11 @@ impl Default for Criteria {
 }
 
 impl Criteria {
+    /// Factor over the baseline by which no joint's held-out residual may grow with a finding.
+    pub(crate) fn worse(&self) -> f64 {
+        1.0 + self.levels.minor
+    }
+
     /// Shares of alpha that are spent: those of the search, and those of structure by tests of blocks and by the map.
     pub fn shares_of_alpha(&self) -> Vec<f64> {
         self.search.shares().into_iter().chain([self.structure.together; 2]).collect()

@@ -8,25 +8,22 @@ use serde::Serialize;
 /// # extern crate tauscope_core as tauscope;
 /// use tauscope::diagnosis::{Criteria, VerdictCriteria};
 ///
-/// // Call the inertias of a description wrong as a whole already beyond one wrong body.
-/// let verdict = VerdictCriteria { wrong_bodies: 1, ..VerdictCriteria::default() };
+/// // Keep findings on a joint of which half of the excess is explained; by default it is 70 %.
+/// let verdict = VerdictCriteria { explained: 0.5, ..VerdictCriteria::default() };
 /// let criteria = Criteria { verdict, ..Criteria::default() };
-/// assert!(criteria.verdict.wrong_bodies < Criteria::default().verdict.wrong_bodies);
+/// assert!(criteria.verdict.explained < Criteria::default().verdict.explained);
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct VerdictCriteria {
     /// Share of a joint's excess over the noise, in squares, that must be explained for the findings on it to stay where structure is
     /// unexplained with certainty.
     pub explained: f64,
-    /// Wrong bodies beyond which, and joints with unexplained structure that is certain from which on, it is simpler to ask whether the
-    /// inertias of the description are wrong as a whole.
-    pub wrong_bodies: usize,
     /// Delay or lag of at most a sample, s, that the sampling of the loop makes, however small the noise: half of a servo cycle of 2 ms.
     pub sampling_s: f64,
 }
 
 impl Default for VerdictCriteria {
     fn default() -> Self {
-        VerdictCriteria { explained: 0.7, wrong_bodies: 2, sampling_s: 1e-3 }
+        VerdictCriteria { explained: 0.7, sampling_s: 1e-3 }
     }
 }

@@ -13,9 +13,6 @@ pub(super) const BLOCK: usize = 50;
 /// The same for an event, which may last no longer than that: a tenth of a second.
 const MOMENT: usize = 5;
 
-/// Blocks that an effect must be seen without.
-const WITHOUT: usize = 2;
-
 /// The block of so many rows with the largest sum.
 pub(super) fn most_influential_block(of_rows: &[f64], width: usize) -> Range<usize> {
     let width = width.min(of_rows.len());
@@ -57,7 +54,7 @@ pub(crate) fn without_influential_blocks(
     let mut rows = session.logs.train.rows.clone();
     let mut whitener = whitener.clone();
     let width = if is_event(winner.candidate.placed.effect) { MOMENT } else { BLOCK };
-    for _ in 0..WITHOUT {
+    for _ in 0..session.criteria.levels.few {
         let fit = whitener.fit(&present, &session.logs.train.torque);
         let with = fit.with(&whitener.apply_all(&winner.candidate.columns));
         let mut gains = vec![0.0; rows.len()];

@@ -92,7 +92,9 @@ mod tests {
         let push: Vec<f64> = rows.means(|log| log.motion.qd.channel(1).to_vec());
         let push = push.iter().enumerate().map(|(row, qd)| if last.contains(&row) { 40.0 * qd } else { 0.0 });
         let push = Column::on(1, push.collect());
-        session.logs.train.torque.add(1.0, &push);
+        let mut logs = session.logs.clone();
+        logs.train.torque.add(1.0, &push);
+        session.go_on_with(logs);
         let mut change = cross_validated_residual(&session, &[], &whitener).unwrap();
         change.add(-1.0, &before);
         let (change, push) = (change.part(1).unwrap(), push.part(1).unwrap());

@@ -48,9 +48,8 @@ const DISTURBED_S: [f64; 2] = [0.02, 0.15];
 /// Share of the moments that hold an impact at most: the flight through the play is timed with those.
 const STRONGEST: f64 = 0.1;
 
-/// Longest flight through the play that is timed, s, and the square of a jump over the noise that ends one.
+/// Longest flight through the play that is timed, s.
 const LONGEST_S: f64 = 0.15;
-const JUMP: f64 = 10.0;
 
 /// Share of the largest jump at which the teeth have met, how much earlier they touched than that shows, and how uncertain
 /// that is, s; in addition to half a sample.
@@ -138,8 +137,8 @@ impl Traces {
     }
 
     /// The play from the time in which it is crossed, between the change of sign and the meeting of the teeth. None where no
-    /// jump is strong enough to be timed.
-    pub(crate) fn play(&self, joint: usize, arm: &Arm, rows: &Rows) -> Option<Play> {
+    /// jump is strong enough to be timed, of `jump` times the noise in squares.
+    pub(crate) fn play(&self, joint: usize, arm: &Arm, rows: &Rows, jump: f64) -> Option<Play> {
         let mut gaps = Vec::new();
         let (mut changes, mut impacts) = (0, 0);
         for trace in &self.0 {
@@ -154,7 +153,7 @@ impl Traces {
                 let q: Vec<f64> = (0..rows.dof()).map(|other| motion.q.channel(other)[change]).collect();
                 let inertia = arm.inertia_about(joint, &q);
                 let inertia = Some(inertia).filter(|inertia| *inertia > 0.0);
-                gaps.extend(inertia.and_then(|inertia| trace.flight(joint, change, inertia, arm.rotor(joint))));
+                gaps.extend(inertia.and_then(|inertia| trace.flight(joint, change, inertia, arm.rotor(joint), jump)));
             }
         }
         gaps.sort_by(|a, b| a[0].total_cmp(&b[0]));
@@ -267,13 +266,13 @@ impl Trace {
 
     /// Half the play that link and motor cross in the time to the meeting of the teeth, and what that time leaves uncertain,
     /// rad. Meanwhile the load moves the link alone, and the motor has no more to carry: what torque it still has moves the
-    /// `rotor`, as far as it is known.
-    fn flight(&self, joint: usize, window: usize, inertia: f64, rotor: Option<f64>) -> Option<[f64; 2]> {
+    /// `rotor`, as far as it is known. A `jump` over the noise, in squares, ends the flight.
+    fn flight(&self, joint: usize, window: usize, inertia: f64, rotor: Option<f64>, jump: f64) -> Option<[f64; 2]> {
         let load = self.load.channel(joint);
         let start = (window + 1..load.len()).find(|&k| load[k - 1] * load[k] < 0.0)?;
         let end = (start + self.samples(LONGEST_S)).min(self.new.len());
         let peak = self.new[start..end].iter().fold(0.0, |m: f64, v| m.max(*v));
-        if peak < JUMP {
+        if peak < jump {
             return None;
         }
         let met = self.new[start..end].iter().position(|value| *value > MET * peak)?;
@@ -453,12 +452,12 @@ mod tests {
         // A load of 2 pi 0.31 t behind 0.5 kg m2 takes t^3 2 pi 0.31 / (6 * 0.5) to either side in t = 20 ms.
         let traces = hit(2, 1e4);
         let change = traces.0[0].changes(0)[3];
-        let [gap, std] = traces.0[0].flight(0, change, 0.5, None).unwrap();
+        let [gap, std] = traces.0[0].flight(0, change, 0.5, None, 10.0).unwrap();
         let time: f64 = 0.02 - EARLIER_S;
         let expected = 0.5 * time.powi(3) * std::f64::consts::TAU * 0.31 / (6.0 * 0.5);
         assert!((gap - expected).abs() < 2.0 * std && std < 0.5 * gap, "{gap} +- {std}, {expected}");
         // A motor that keeps its torque is thrown the other way: with a rotor as heavy as the link twice the play is crossed.
-        let [both, _] = traces.0[0].flight(0, change, 0.5, Some(0.5)).unwrap();
+        let [both, _] = traces.0[0].flight(0, change, 0.5, Some(0.5), 10.0).unwrap();
         assert!((both / gap - 2.0).abs() < 1e-9, "{both} {gap}");
     }
 

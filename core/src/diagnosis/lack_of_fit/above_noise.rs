@@ -51,7 +51,7 @@ const NOT_OF_SENSORS: &str = "is far above the noise of the sensor, and not sepa
 /// Whether a residual of a joint is more than the white noise of its torque, by the least share that counts: one that is not has no
 /// structure to report. Controllers feed the noise of encoders back, and the torque that this makes goes with the motion as measured.
 pub(super) fn above_sensor(residual: f64, sensor_noise: f64, criteria: &Criteria) -> Judgement {
-    Judgement::at_least(Gate::AboveExpected, residual / sensor_noise, 1.0 + criteria.share_of_excess)
+    Judgement::at_least(Gate::AboveExpected, residual / sensor_noise, 1.0 + criteria.levels.minor)
 }
 
 /// The joints whose residual in all logs is far above the noise of the map, but those on which something is reported already: with few
@@ -63,7 +63,7 @@ pub(crate) fn not_separated(map: &ResidualMap, reported: &[Unexplained], criteri
     let unexplained = |own: &JointMap| {
         let over =
             |expected: f64, factor: f64| Judgement::at_least(Gate::AboveExpected, own.residual / expected, factor);
-        let of_sensor = [over(own.sensor_noise, far), over(own.torque, criteria.share_of_excess)];
+        let of_sensor = [over(own.sensor_noise, far), over(own.torque, criteria.levels.minor)];
         untested(own.joint, [over(own.noise, far)], NOT_SEPARATED, reported)
             .or_else(|| untested(own.joint, of_sensor, NOT_OF_SENSORS, reported))
     };

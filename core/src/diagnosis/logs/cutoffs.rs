@@ -19,11 +19,7 @@ const LOWEST_SHARE: f64 = 0.25;
 const HIGHEST_SHARE: f64 = 0.2;
 const NOISE_SHARE: f64 = 0.25;
 
-/// What a band above the motion may hold over the share of the encoder's white noise in it.
-const WHITE: f64 = 1.5;
-
-/// The same of a band that stands clear of that noise, and the blocks over half of which it must, s.
-const CLEAR: f64 = 10.0;
+/// Blocks over half of which a band must stand clear of the encoder's noise, s.
 const CLEAR_OVER_S: f64 = 0.5;
 
 /// Points of integrals over frequency.
@@ -41,39 +37,40 @@ pub(crate) fn widest(rate_hz: f64) -> f64 {
     WIDEST_HZ.min(HIGHEST_SHARE * rate_hz)
 }
 
-/// The lowest cut-off, Hz, above which the positions of all joints of all logs hold nothing but white noise.
+/// The lowest cut-off, Hz, above which the positions of all joints of all logs hold nothing but white noise: no more than `misfit` times
+/// the power of the encoder's.
 ///
 /// # Errors
 /// If a log is too short for the filters.
-pub(crate) fn cutoff(recordings: &[&Recording]) -> Result<f64> {
+pub(crate) fn cutoff(recordings: &[&Recording], misfit: f64) -> Result<f64> {
     let jobs: Vec<(&Recording, usize)> =
         recordings.iter().flat_map(|&recording| (0..recording.joints()).map(move |joint| (recording, joint))).collect();
     let each: Vec<f64> = jobs
         .par_iter()
-        .map(|(recording, joint)| cutoff_of(recording.q.channel(*joint), recording.rate_hz()))
+        .map(|(recording, joint)| cutoff_of(recording.q.channel(*joint), recording.rate_hz(), misfit))
         .collect::<Result<_>>()?;
     Ok(each.into_iter().fold(CUTOFFS_HZ[0], f64::max))
 }
 
-/// The lowest cut-off, Hz, above which no band of the positions `q` stands clear of the encoder's noise most of the time.
+/// The lowest cut-off, Hz, above which no band of the positions `q` has `clear` times the power of the encoder's noise most of the time.
 ///
 /// # Errors
 /// If there are too few samples for the filters.
-pub(super) fn clear_of_noise(q: &[f64], rate_hz: f64) -> Result<f64> {
+pub(super) fn clear_of_noise(q: &[f64], rate_hz: f64, clear: f64) -> Result<f64> {
     let block = (CLEAR_OVER_S * rate_hz) as usize;
-    highest_band(q, rate_hz, |band, noise| typical_power(band, block) > CLEAR * noise)
+    highest_band(q, rate_hz, |band, noise| typical_power(band, block) > clear * noise)
 }
 
-/// The lowest cut-off, Hz, above which the positions `q` hold much more noise of the encoder than motion, jerks included.
+/// The lowest cut-off, Hz, above which the positions `q`, jerks included, have no band of `clear` times the power of the encoder's noise.
 ///
 /// # Errors
 /// If there are too few samples for the filters.
-pub(super) fn mostly_noise(q: &[f64], rate_hz: f64) -> Result<f64> {
-    highest_band(q, rate_hz, |band, noise| inner_power(band, rate_hz) > CLEAR * noise)
+pub(super) fn mostly_noise(q: &[f64], rate_hz: f64, clear: f64) -> Result<f64> {
+    highest_band(q, rate_hz, |band, noise| inner_power(band, rate_hz) > clear * noise)
 }
 
-fn cutoff_of(q: &[f64], rate_hz: f64) -> Result<f64> {
-    highest_band(q, rate_hz, |band, noise| inner_power(band, rate_hz) > WHITE * noise)
+fn cutoff_of(q: &[f64], rate_hz: f64, misfit: f64) -> Result<f64> {
+    highest_band(q, rate_hz, |band, noise| inner_power(band, rate_hz) > misfit * noise)
 }
 
 /// Upper edge of the highest band, Hz, that `holds` more than noise, which is asked with what is in it and the power that the encoder's
@@ -165,9 +162,9 @@ pub(super) mod tests {
 
     #[test]
     fn cut_off_lies_just_above_the_motion() {
-        let slow = cutoff_of(&swing(0.4, 0.1), RATE).unwrap();
+        let slow = cutoff_of(&swing(0.4, 0.1), RATE, 1.5).unwrap();
         assert!(slow <= 4.0, "{slow}");
-        let fast = cutoff_of(&swing(9.0, 1e-3), RATE).unwrap();
+        let fast = cutoff_of(&swing(9.0, 1e-3), RATE, 1.5).unwrap();
         assert!((10.0..=16.0).contains(&fast), "{fast}");
     }
 
@@ -177,7 +174,7 @@ pub(super) mod tests {
         let step = std::f64::consts::TAU / 4096.0;
         let rounded = |q: Vec<f64>| -> Vec<f64> { q.into_iter().map(|x| step * (x / step).round()).collect() };
         let slow: Vec<f64> = swing(0.4, 0.0).into_iter().map(|x| 0.3 * x).collect();
-        let cutoff = |q: Vec<f64>| cutoff_of(&rounded(q), RATE).unwrap();
+        let cutoff = |q: Vec<f64>| cutoff_of(&rounded(q), RATE, 1.5).unwrap();
         assert!(cutoff(slow.clone()) <= 5.0, "{}", cutoff(slow));
         assert!(cutoff(swing(0.4, 0.0)) <= 5.0);
         assert!((10.0..=16.0).contains(&cutoff(swing(9.0, 0.01))), "{}", cutoff(swing(9.0, 0.01)));
@@ -187,9 +184,9 @@ pub(super) mod tests {
     fn what_is_there_for_moments_is_not_clear_of_the_noise() {
         let mut q = swing(0.4, 0.1);
         let all_the_time = swing(9.0, 1e-3);
-        assert!((10.0..=16.0).contains(&clear_of_noise(&all_the_time, RATE).unwrap()));
+        assert!((10.0..=16.0).contains(&clear_of_noise(&all_the_time, RATE, 10.0).unwrap()));
         q[4000..4500].copy_from_slice(&all_the_time[4000..4500]);
-        assert!(cutoff_of(&q, RATE).unwrap() >= 10.0);
-        assert_eq!(clear_of_noise(&q, RATE).unwrap(), CUTOFFS_HZ[0]);
+        assert!(cutoff_of(&q, RATE, 1.5).unwrap() >= 10.0);
+        assert_eq!(clear_of_noise(&q, RATE, 10.0).unwrap(), CUTOFFS_HZ[0]);
     }
 }

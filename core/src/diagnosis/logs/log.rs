@@ -2,6 +2,7 @@
 
 use super::cutoffs::{clear_of_noise, mostly_noise};
 use crate::channels::Channels;
+use crate::diagnosis::criteria::Levels;
 use crate::dynamics::Motion;
 use crate::effects::{Placed, behind_encoder, unsmoothed};
 use crate::error::Result;
@@ -46,6 +47,8 @@ pub struct Log {
     pub position_noise: Vec<f64>,
     /// Measured positions, rad or m.
     measured: Channels,
+    /// Factor on the encoder's noise from which it is motion ([`Levels::stands_out`]).
+    stands_out: f64,
     /// [`Log::clear`], once it has been computed.
     clear: OnceLock<Motion>,
     /// [`Log::unsmoothed`], once it has been computed.
@@ -53,10 +56,6 @@ pub struct Log {
     /// [`Log::noise_from_hz`], once it has been computed.
     noise_from_hz: OnceLock<Vec<f64>>,
 }
-
-/// What a position holds above the frequency of its motion is motion where it is so many times the median: seven standard deviations of
-/// normal noise.
-const UNUSUAL: f64 = 10.0;
 
 impl Log {
     /// A log with the positions of each joint smoothed at its own cut-off, Hz, and at `whole_hz` where that is higher; `passed` is the
@@ -68,6 +67,7 @@ impl Log {
         recording: &Recording,
         (cutoffs_hz, whole_hz): (&[f64], f64),
         passed: Option<ZeroPhaseLowPass>,
+        levels: &Levels,
     ) -> Result<Self> {
         let rate = recording.rate_hz();
         let (motion, low_pass) = smooth(recording, cutoffs_hz)?;
@@ -91,6 +91,7 @@ impl Log {
             block: block(rate),
             noisy: vec![false; recording.joints()],
             measured: recording.q.clone(),
+            stands_out: levels.stands_out,
             clear: OnceLock::new(),
             unsmoothed: OnceLock::new(),
             noise_from_hz: OnceLock::new(),
@@ -139,7 +140,7 @@ impl Log {
         let mut clear = self.motion.clone();
         let (rate_hz, last) = (1.0 / self.period, self.time.len() - 1);
         for joint in 0..clear.joints() {
-            let hz = clear_of_noise(self.measured.channel(joint), rate_hz)?;
+            let hz = clear_of_noise(self.measured.channel(joint), rate_hz, self.stands_out)?;
             let slow = clear.qdd.channel_mut(joint);
             ZeroPhaseLowPass::new(ORDER, hz, rate_hz)?.apply_in_place(slow)?;
             for (sample, (slow, all)) in slow.iter_mut().zip(self.motion.qdd.channel(joint)).enumerate() {
@@ -171,7 +172,7 @@ impl Log {
         if let Some(noise_from_hz) = self.noise_from_hz.get() {
             return Ok(noise_from_hz);
         }
-        let of_joint = |joint| mostly_noise(self.measured.channel(joint), 1.0 / self.period);
+        let of_joint = |joint| mostly_noise(self.measured.channel(joint), 1.0 / self.period, self.stands_out);
         let all = (0..self.measured.channels()).into_par_iter().map(of_joint).collect::<Result<Vec<f64>>>()?;
         Ok(self.noise_from_hz.get_or_init(|| all))
     }
@@ -198,7 +199,7 @@ impl Log {
         let usual = sizes.select_nth_unstable_by(middle, f64::total_cmp).1.to_owned();
         let (settled, last) = ((MEMORY_OF_ENDS / hz * rate_hz) as usize, above.len().saturating_sub(1));
         for (k, (above, rate)) in above.iter_mut().zip(&mut rate).enumerate() {
-            if above.abs() > UNUSUAL * usual || k.min(last - k) < settled {
+            if above.abs() > self.stands_out * usual || k.min(last - k) < settled {
                 (*above, *rate) = (0.0, 0.0);
             }
         }
@@ -254,7 +255,7 @@ mod tests {
         let q = Channels::from_vectors(&[swing(0.4, 0.0)]);
         let (time, tau) = ((0..10_000).map(|k| f64::from(k) / RATE).collect(), Channels::zeros(1, 10_000));
         let recording = Recording { joints: vec!["a".into()], time, q, tau, ..Default::default() };
-        let log = Log::new(&recording, (&[10.0], 10.0), None).unwrap();
+        let log = Log::new(&recording, (&[10.0], 10.0), None, &Levels::default()).unwrap();
         let rate = 2.0 * PI * 0.4;
         let error = |k: usize| log.motion.qd.channel(0)[k] - rate * (rate * k as f64 / RATE).cos();
         let real = ((1000..9000).map(|k| error(k).powi(2)).sum::<f64>() / 8000.0).sqrt();

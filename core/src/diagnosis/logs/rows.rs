@@ -7,6 +7,7 @@ use super::cutoffs::POINTS;
 use super::log::{Log, MEMORY, MEMORY_OF_ENDS};
 use super::low_pass::LowPass;
 use crate::channels::Channels;
+use crate::diagnosis::criteria::Levels;
 use crate::diagnosis::regression::Column;
 use crate::error::{Error, Result};
 use crate::identification::equal_states::States;
@@ -72,13 +73,14 @@ impl Rows {
         self.logs.iter().map(of_log).fold(0.0, f64::max)
     }
 
-    /// Makes logs ready with positions smoothed at `cutoff_hz`; `fewest` rows must count on every joint.
+    /// Makes logs ready with positions smoothed at `cutoff_hz`, by the usual levels; `fewest` rows must count on every joint.
     ///
     /// # Errors
     /// If a log is too short, or a joint hardly moves; named.
     pub fn new(recordings: &[&Recording], cutoff_hz: f64, fewest: usize) -> Result<Self> {
         let joints = recordings.first().map_or(0, |recording| recording.joints());
-        Self::logged_through(None, recordings, (&vec![cutoff_hz; joints], cutoff_hz), &vec![Some(fewest); joints])
+        let fewest = vec![Some(fewest); joints];
+        Self::logged_through(None, recordings, (&vec![cutoff_hz; joints], cutoff_hz), &fewest, &Levels::default())
     }
 
     /// [`Rows::new`] of logs whose torque went `through` a low-pass before it was logged, with a cut-off for each joint. A row
@@ -93,6 +95,7 @@ impl Rows {
         recordings: &[&Recording],
         (cutoffs_hz, whole_hz): (&[f64], f64),
         fewest: &[Option<usize>],
+        levels: &Levels,
     ) -> Result<Self> {
         let first = recordings.first().ok_or_else(|| Error::request("logs", "there are none; give at least one"))?;
         let dof = first.joints();
@@ -109,7 +112,7 @@ impl Rows {
         let lowest_hz = cutoffs_hz.iter().copied().fold(f64::INFINITY, f64::min);
         for recording in recordings {
             let passed = through.map(|low_pass| low_pass.at_rate(recording.rate_hz())).transpose()?;
-            let log = Log::new(recording, (cutoffs_hz, whole_hz), passed)?;
+            let log = Log::new(recording, (cutoffs_hz, whole_hz), passed, levels)?;
             let blocks = |seconds: f64| (seconds * recording.rate_hz() / log.block as f64).ceil() as usize;
             // What torque there was before and after the log, its low-pass knew.
             let unknown_s = through.map_or(0.0, |low_pass| MEMORY_OF_LOGGER / low_pass.hz);
@@ -379,7 +382,9 @@ mod tests {
         let tau = Channels::zeros(1, 10_000);
         let log = Recording { joints: vec!["a".into()], time, q, tau, ..Default::default() };
         let counts = |whole_hz: f64| {
-            let rows = Rows::logged_through(None, &[&log], (&[3.0], whole_hz), &[Some(FEWEST_ROWS)]).unwrap();
+            let rows =
+                Rows::logged_through(None, &[&log], (&[3.0], whole_hz), &[Some(FEWEST_ROWS)], &Levels::default())
+                    .unwrap();
             rows.valid[0][250..253].iter().filter(|&&ok| ok).count()
         };
         assert_eq!([counts(3.0), counts(20.0)], [3, 0]);

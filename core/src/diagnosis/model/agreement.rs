@@ -1,11 +1,15 @@
-//! A law over all effects: what an effect adds to the torque is the same for `identify` and `diagnose`.
+//! A law over all effects: what an effect adds to the torque is the same for `identify` and `diagnose`. So is its estimate by ordinary least
+//! squares on the same rows.
 
 use crate::channels::Channels;
+use crate::diagnosis::criteria::Levels;
 use crate::diagnosis::logs::{FEWEST_ROWS, Rows};
-use crate::diagnosis::regression::Column;
-use crate::effects::{LIBRARY, Nature, Placed, Scope};
+use crate::diagnosis::model::columns;
+use crate::diagnosis::regression::{Column, solve};
+use crate::effects::{self, LIBRARY, Nature, Placed, Scope};
 use crate::identification::effect_model::Arm;
 use crate::identification::effect_model::{EffectModel, Preparation, Trust};
+use crate::identification::joint_regression::JointRegression;
 use crate::identification::model::Model;
 use crate::identification::prepare::Smoothing;
 use crate::identification::reversals::Band;
@@ -17,7 +21,7 @@ use rand_distr::{Distribution, StandardNormal};
 
 const RATE_HZ: f64 = 500.0;
 const SAMPLES: usize = 8000;
-/// Cut-off of the positions of the diagnosis, Hz.
+/// Highest cut-off of the positions of the diagnosis, Hz.
 const CUTOFF_HZ: f64 = 20.0;
 /// Samples of a block of the diagnosis.
 const BLOCK: usize = 10;
@@ -50,8 +54,13 @@ fn motion(joints: usize) -> Recording {
     }
 }
 
-fn preparation() -> Preparation {
-    let smoothing = Smoothing::BlockMeans { cutoff_hz: CUTOFF_HZ, block: BLOCK };
+/// Cut-off of the positions of each joint, Hz.
+fn cutoffs_hz(joints: usize) -> Vec<f64> {
+    (0..joints).map(|joint| CUTOFF_HZ - 1.5 * joint as f64).collect()
+}
+
+fn preparation(joints: usize) -> Preparation {
+    let smoothing = Smoothing::BlockMeans { cutoffs_hz: cutoffs_hz(joints), block: BLOCK };
     Preparation { smoothing, band: Band::Given(0.0) }
 }
 
@@ -59,7 +68,7 @@ fn preparation() -> Preparation {
 fn predicted([real, described]: [&Robot; 2], trust: Trust, log: &Recording, placed: Vec<Placed>) -> Vec<Vec<f64>> {
     let [true_model, model] = [real, described].map(Model::new);
     let [true_model, mut model] = [&true_model, &model]
-        .map(|model| EffectModel::new(model, trust, &[log], preparation(), placed.clone()).unwrap());
+        .map(|model| EffectModel::new(model, trust, &[log], preparation(log.joints()), placed.clone()).unwrap());
     model.set_baseline(true_model.baseline());
     let bodies = model.found_arm();
     let model = model.with_bodies(bodies);
@@ -95,7 +104,9 @@ fn apart(identified: &[Vec<f64>], diagnosed: &Column) -> [f64; 2] {
 
 fn agree([real, described]: [&Robot; 2], trust: Trust) {
     let log = motion(real.dof());
-    let rows = Rows::new(&[&log], CUTOFF_HZ, FEWEST_ROWS).unwrap();
+    let fewest = vec![Some(FEWEST_ROWS); real.dof()];
+    let cutoffs_hz = cutoffs_hz(real.dof());
+    let rows = Rows::logged_through(None, &[&log], (&cutoffs_hz, CUTOFF_HZ), &fewest, &Levels::default()).unwrap();
     let mut arm = Arm::new(described, trust);
     if trust == Trust::Structure {
         let model = Model::new(described);
@@ -116,5 +127,63 @@ fn agree([real, described]: [&Robot; 2], trust: Trust) {
         let [apart, size] = apart(&difference, added);
         assert!(size > 0.0, "{} adds nothing", about.name);
         assert!(apart < ROUNDING * size, "{} {trust:?}: {apart} of {size}", about.name);
+    }
+}
+
+/// Effects whose columns do not depend on what else is estimated.
+const LINEAR: [&str; 4] = ["torque_offset", "joint_spring", "stribeck_friction", "torque_ripple"];
+
+/// Part of its standard deviation by which an estimate may differ.
+const OF_DEVIATION: f64 = 1e-6;
+
+#[test]
+fn identify_and_diagnose_have_the_same_least_squares_estimate_on_the_same_rows() {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../urdf/irb1600_6_120.urdf");
+    let robot = load(path, InertiaCheck::Required).unwrap();
+    let (dof, model) = (robot.dof(), Model::new(&robot));
+    let mut log = motion(dof);
+    // Any torque has an estimate.
+    let mut noise = random::stream(4, "torque", 0);
+    let mut drawn = || -> Vec<f64> { (0..SAMPLES).map(|_| StandardNormal.sample(&mut noise)).collect() };
+    log.tau = Channels::from_vectors(&(0..dof).map(|_| drawn()).collect::<Vec<_>>());
+    let (cutoffs_hz, fewest) = (cutoffs_hz(dof), vec![Some(FEWEST_ROWS); dof]);
+    let rows = Rows::logged_through(None, &[&log], (&cutoffs_hz, CUTOFF_HZ), &fewest, &Levels::default()).unwrap();
+    let arm = Arm::new(&robot, Trust::Structure);
+    for name in LINEAR {
+        let placed = Placed::typical(effects::find(name).unwrap(), 1);
+        let identified = EffectModel::new(&model, Trust::Structure, &[&log], preparation(dof), vec![placed.clone()]);
+        let regression = identified.unwrap().regression().unwrap();
+        let valid: Vec<Vec<bool>> = regression
+            .iter()
+            .zip(&rows.valid)
+            .map(|(one, valid)| {
+                let both = one.valid.iter().zip(valid).map(|(a, b)| *a && *b).enumerate();
+                both.map(|(row, ok)| ok && (ENDS..rows.len() - ENDS).contains(&row)).collect()
+            })
+            .collect();
+        assert!(valid.iter().all(|valid| valid.iter().filter(|ok| **ok).count() > FEWEST_ROWS));
+        // Where parameters of `identify` are placed, the effect's are the last.
+        let count = regression.iter().flat_map(|one| &one.parameters).max().unwrap() + 1;
+        let of_parameter = |parameter: usize| {
+            let of_joint = |(joint, one): (usize, &JointRegression)| {
+                let place = one.parameters.iter().position(|own| *own == parameter)?;
+                Some((joint, one.columns.channel(place).to_vec()))
+            };
+            Column::of(regression.iter().enumerate().filter_map(of_joint).collect()).masked(&valid)
+        };
+        let torque = Column::new(regression.iter().map(|one| one.torque.clone())).masked(&valid);
+        let of_identify = solve(&(0..count).map(of_parameter).collect::<Vec<_>>(), &torque);
+        let own = columns(&arm, &rows, std::slice::from_ref(&placed)).unwrap().concat();
+        let amplitudes = own.len();
+        let all: Vec<Column> =
+            arm.baseline(&model, &rows).into_iter().chain(own).map(|one| one.masked(&valid)).collect();
+        let torque = Column::new(rows.torque.iter().cloned()).masked(&valid);
+        let of_diagnose = solve(&all, &torque);
+        for back in 1..=amplitudes {
+            let [a, b] =
+                [(&of_identify, count - back), (&of_diagnose, all.len() - back)].map(|(one, at)| one.values[at]);
+            let std = of_diagnose.std(all.len() - back);
+            assert!((a - b).abs() < OF_DEVIATION * std, "{name}: {a} and {b} +- {std}");
+        }
     }
 }

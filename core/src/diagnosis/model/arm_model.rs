@@ -12,7 +12,6 @@ use crate::diagnosis::regression::{Column, combined};
 use crate::error::Result;
 use crate::identification::effect_model::{Arm, Trust};
 use crate::identification::model::Model;
-use crate::robot::Robot;
 
 /// Share of a shape's value over which its derivative is taken.
 const DIFFERENCE: f64 = 0.02;
@@ -35,11 +34,6 @@ pub struct ArmModel<'a> {
 }
 
 impl ArmModel<'_> {
-    /// Takes the arm's parameters from `robot` instead of from a fit.
-    pub fn take_parameters_of(&mut self, robot: &Robot) {
-        self.arm = Arm::new(robot, self.trust).with_coulomb_rounding(self.arm.coulomb_rounding.clone());
-    }
-
     /// Largest torque of a joint of the arm as found, N m.
     pub fn largest_torque(&self, rows: &Rows, joint: usize) -> f64 {
         let torque = self.arm.all_torque(rows);

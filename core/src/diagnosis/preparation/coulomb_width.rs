@@ -30,9 +30,6 @@ const ROOTS: [f64; 5] = [0.004, 0.007, 0.012, 0.02, 0.04];
 const FINER: [f64; 4] = [0.8, 0.9, 1.12, 1.25];
 const FINEST: [f64; 2] = [0.95, 1.05];
 
-/// Joints whose gain does not count, where more than twice as many are left.
-const LEFT_OUT: usize = 2;
-
 /// What the rounding of the joints is taken for.
 #[derive(Debug)]
 pub(super) struct Likeliest {
@@ -56,7 +53,7 @@ type Tried = Vec<(Rounding, f64)>;
 
 impl Session<'_> {
     /// Decides on the rounding again with `members` in the model, and returns whether it is another: what misses a load may look like
-    /// friction that turns over slowly. What is known from before a change stays, and low-pass filtered torque does not determine it.
+    /// a wide smoothing of friction's sign. What is known from before a change stays, and low-pass filtered torque does not determine it.
     ///
     /// # Errors
     /// If a log is too short to differentiate.
@@ -66,18 +63,12 @@ impl Session<'_> {
         }
         let pooled = self.logs.apart.then(|| self.over_all_logs());
         let Likeliest { rounding, gains } = likeliest(pooled.as_ref().unwrap_or(self), members)?;
-        self.model.rounding_gains = gains;
+        self.take_rounding_gains(gains);
         if rounding == self.model.arm.coulomb_rounding {
             return Ok(false);
         }
         tracing::debug!(?rounding, "rounding of the sign of friction with what was found");
-        for data in [&mut self.logs.train, &mut self.logs.test] {
-            for (place, column) in self.model.arm.dry_columns(self.model.base, &data.rows, &rounding) {
-                data.baseline[place] = column;
-            }
-        }
-        self.model.known = self.model.known.with_coulomb_rounding(rounding.clone());
-        self.model.arm = self.model.arm.clone().with_coulomb_rounding(rounding);
+        self.round_friction(rounding);
         Ok(true)
     }
 }
@@ -128,7 +119,7 @@ pub(super) fn likeliest(session: &Session, members: &[Member]) -> Result<Likelie
     };
     // Another form, and a rounding in the place of a law of the library, must be likelier: though a rounding has fewer parameters than any
     // law.
-    let Levels { log_odds: odds, misfit, .. } = session.criteria.levels;
+    let Levels { log_odds: odds, misfit, few, .. } = session.criteria.levels;
     let clearly = session.criteria.criterion_gap();
     let mut best = of_form(Rounding::Tanh(1.0), &WIDTHS);
     let ramps = of_form(Rounding::Ramp(1.0), &RAMPS);
@@ -144,7 +135,7 @@ pub(super) fn likeliest(session: &Session, members: &[Member]) -> Result<Likelie
     tracing::debug!(?best, ?by_laws, "rounding of the sign of friction");
     let surely = surely(&best, &by_laws, odds);
     let gained = best.iter().zip(&surely).map(|((_, gain), surely)| if *surely { *gain } else { 0.0 }).collect();
-    if of_most(gained) < clearly {
+    if of_most(gained, few) < clearly {
         // One joint alone must be explained by its width: what is much beyond the noise may look like anything.
         let rows = whitener.rows();
         let of_noise = |joint: usize| (plain_left[joint] - 2.0 * best[joint].1) / (rows[joint] as f64) < misfit;
@@ -196,10 +187,10 @@ fn better(best: &mut Tried, tried: Vec<Tried>, by: f64) {
     }
 }
 
-/// The sum without the largest.
-fn of_most(mut gains: Vec<f64>) -> f64 {
+/// The sum without the `few` largest, where more than twice as many are left.
+fn of_most(mut gains: Vec<f64>, few: usize) -> f64 {
     gains.sort_by(f64::total_cmp);
-    let counted = gains.len() - LEFT_OUT.min(gains.len().saturating_sub(1) / 2);
+    let counted = gains.len() - few.min(gains.len().saturating_sub(1) / 2);
     gains[..counted].iter().sum()
 }
 
@@ -211,9 +202,9 @@ mod tests {
 
     #[test]
     fn what_one_or_two_joints_gain_does_not_count() {
-        assert_eq!(of_most(vec![900.0, 1.0, 2.0, 800.0, -1.0, 0.5]), 2.5);
-        assert_eq!(of_most(vec![5.0, 9.0, 4.0]), 9.0);
-        assert_eq!(of_most(vec![7.0]), 7.0);
+        assert_eq!(of_most(vec![900.0, 1.0, 2.0, 800.0, -1.0, 0.5], 2), 2.5);
+        assert_eq!(of_most(vec![5.0, 9.0, 4.0], 2), 9.0);
+        assert_eq!(of_most(vec![7.0], 2), 7.0);
     }
 
     #[test]
@@ -232,7 +223,7 @@ mod tests {
             let time = (0..4000).map(|k| 0.005 * f64::from(k)).collect();
             let (joints, tau) = (["a", "b", "c", "d"].map(String::from).to_vec(), Channels::zeros(4, 4000));
             let recording = Recording { joints, time, q, tau, ..Recording::default() };
-            Log::new(&recording, (&[5.0; 4], 5.0), None).unwrap()
+            Log::new(&recording, (&[5.0; 4], 5.0), None, &Levels::default()).unwrap()
         };
         let found = shares(&[log([2.0, 0.29, 0.012, 0.0]), log([0.1, 0.1, 0.003, 0.0])], 4);
         let wanted = [1.0, 0.29 / 0.3, 0.012 / 0.3, LEAST_SHARE];

@@ -6,7 +6,7 @@
 //! states differ. Their noise is that of two rows.
 
 use crate::diagnosis::logs::Rows;
-use crate::diagnosis::model::{DataSet, Nuisances, Session};
+use crate::diagnosis::model::{DataSet, Nuisances, PreparedLogs, Session};
 use crate::diagnosis::noise::Whitener;
 use crate::diagnosis::regression::Column;
 use crate::error::Result;
@@ -46,11 +46,10 @@ impl Session<'_> {
             });
         let Some((pairs, shares)) = pairs else { return Ok(()) };
         let arm = self.baseline_before(whitener);
-        let [train, test] = pairs.map(|pair| pair.differences(&arm));
-        (self.logs.train, self.logs.test, self.logs.bands) = (train, test, 0..0);
-        for (set, share) in [&mut self.logs.train, &mut self.logs.test].into_iter().zip(shares) {
-            set.rows.equal_states = Some(share);
-        }
+        let [mut train, mut test] = pairs.map(|pair| pair.differences(&arm));
+        [train.rows.equal_states, test.rows.equal_states] = shares.map(Some);
+        let (apart, passband, cutoffs_hz) = (self.logs.apart, self.logs.passband, self.logs.cutoffs_hz.clone());
+        self.go_on_with(PreparedLogs { train, test, bands: 0..0, apart, cutoffs_hz, passband });
         // Without a baseline no parameters of it are open.
         self.renew_errors(&[], Nuisances::default())
     }

@@ -54,7 +54,8 @@ impl<'a> Preparation<'a> {
     ) -> Result<Self> {
         let train: Vec<&Recording> = known.reference.iter().chain(train).copied().collect();
         let all: Vec<&Recording> = train.iter().chain(test).copied().collect();
-        Ok(Preparation { model, known, criteria, whole_hz: cutoff(&all)?, train, test })
+        let whole_hz = cutoff(&all, criteria.levels.misfit)?;
+        Ok(Preparation { model, known, criteria, whole_hz, train, test })
     }
 
     /// The same logs with other things known.
@@ -125,14 +126,16 @@ impl<'a> Preparation<'a> {
     /// If a log is too short or a joint hardly moves.
     pub(super) fn data_sets(&self, through: Option<LowPass>, cutoffs_hz: &[f64]) -> Result<[DataSet; 2]> {
         let fewest = self.on_equations(FEWEST_TEST_ROWS);
-        let rows = Rows::logged_through(through, self.test, (cutoffs_hz, self.whole_hz), &fewest);
+        let rows =
+            Rows::logged_through(through, self.test, (cutoffs_hz, self.whole_hz), &fewest, &self.criteria.levels);
         let rows = rows.map_err(of_held_out)?;
         Ok([self.training(through, cutoffs_hz)?, DataSet::new(self.model, self.known, rows, false)?])
     }
 
     fn training(&self, through: Option<LowPass>, cutoffs_hz: &[f64]) -> Result<DataSet> {
         let fewest = self.on_equations(FEWEST_ROWS);
-        let mut rows = Rows::logged_through(through, &self.train, (cutoffs_hz, self.whole_hz), &fewest)?;
+        let mut rows =
+            Rows::logged_through(through, &self.train, (cutoffs_hz, self.whole_hz), &fewest, &self.criteria.levels)?;
         rows.before = self.known.reference.len();
         DataSet::new(self.model, self.known, rows, true)
     }

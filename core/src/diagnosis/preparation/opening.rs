@@ -14,9 +14,6 @@ use crate::identification::effect_model::Trust;
 use crate::identification::model::Model;
 use crate::recording::Recording;
 
-/// Largest share of the rows that are left out because smoothing bent the motion there.
-const MOST_DISTORTED: f64 = 0.1;
-
 impl<'a> Session<'a> {
     /// Makes the logs ready.
     ///
@@ -55,12 +52,13 @@ impl<'a> Session<'a> {
                 Likeliest { rounding: known.arm.coulomb_rounding.clone(), gains: vec![0.0; session.model.base.dof()] }
             }
         };
-        session.model.rounding_gains = gains;
+        session.take_rounding_gains(gains);
         let known = known.with_coulomb_rounding(rounding);
         let preparation = preparation.knowing(&known);
         if known.arm.coulomb_rounding != session.model.arm.coulomb_rounding {
-            [session.logs.train, session.logs.test] = preparation.data_sets(passband, &session.logs.cutoffs_hz)?;
-            (session.model.arm, session.model.known) = (known.arm.clone(), known.clone());
+            let cutoffs_hz = session.logs.cutoffs_hz.clone();
+            session.take_data_sets(preparation.data_sets(passband, &cutoffs_hz)?, cutoffs_hz);
+            session.know(known.clone());
         }
         let mut noise = session.settle_baseline()?;
         let of_fit = (&noise.whitener, &noise.projection.residual);
@@ -69,11 +67,11 @@ impl<'a> Session<'a> {
         // What is above the low-pass of the torque is not seen in it, and its factor would fit anything.
         let seen_hz = passband.map_or(f64::INFINITY, |low_pass| low_pass.hz);
         if own.iter().any(|hz| *hz != cutoff_hz)
-            && let Ok([train, test]) = preparation.data_sets(passband, &own)
+            && let Ok(data_sets) = preparation.data_sets(passband, &own)
         {
             tracing::debug!(?likeliest, ?own, "cut-offs of the joints");
-            (session.logs.train, session.logs.test, session.logs.cutoffs_hz) = (train, test, own);
-            session.model.arm = session.model.known.arm.clone();
+            session.take_data_sets(data_sets, own);
+            session.take_arm_as_known();
             noise = session.settle_baseline()?;
         }
         let noise_from = smoothing::noise_from_hz(&session.logs.train.rows)?;
@@ -81,11 +79,11 @@ impl<'a> Session<'a> {
             likeliest.iter().zip(&noise_from).map(|(likeliest, noise)| likeliest.min(*noise)).collect();
         let up_to: Vec<f64> = session.logs.cutoffs_hz.iter().map(|hz| hz.min(seen_hz)).collect();
         tracing::debug!(?from, ?up_to, "bands of the encoders' noise");
-        for set in [&mut session.logs.train, &mut session.logs.test] {
-            set.bands = smoothing::bands(&session.model.arm, &set.rows, &from, &up_to)?;
-        }
+        let bands = |set: &DataSet| smoothing::bands(&session.model.arm, &set.rows, &from, &up_to);
+        let bands = [bands(&session.logs.train)?, bands(&session.logs.test)?];
+        session.take_bands(bands);
         session.free_noise_of_encoders(seen_hz, &noise)?;
-        session.model.arm = session.model.known.arm.clone();
+        session.take_arm_as_known();
         noise = session.settle_baseline()?;
         let noisy = smoothing::noisy_once_moved(
             &session.model.arm,
@@ -93,9 +91,7 @@ impl<'a> Session<'a> {
             &noise.whitener,
             criteria.structure.above_noise,
         )?;
-        for log in session.logs.train.rows.logs.iter_mut().chain(&mut session.logs.test.rows.logs) {
-            log.noisy.clone_from(&noisy);
-        }
+        session.mark_noisy(&noisy);
         session.leave_out_distorted(&noise.whitener);
         session.take_differences(&noise.whitener)?;
         Ok(session)
@@ -124,7 +120,7 @@ impl<'a> Session<'a> {
         }
         let place = self.blocks(&[]).known.start;
         let logs = self.logs.clone().with(place, &columns);
-        self.logs = PreparedLogs { bands: place..place + columns[0].len(), ..logs };
+        self.go_on_with(PreparedLogs { bands: place..place + columns[0].len(), ..logs });
         Ok(())
     }
 
@@ -165,10 +161,10 @@ impl<'a> Session<'a> {
     fn leave_out_distorted(&mut self, whitener: &Whitener) {
         let bearable = |std: &f64| self.criteria.structure.above_noise * std;
         let bearable: Vec<f64> = whitener.innovation_std().iter().map(bearable).collect();
+        // The largest share of the rows that may be left out for this.
+        let minor = self.criteria.levels.minor;
         let smoothing = [&self.logs.train, &self.logs.test].map(|set| self.errors(set).smoothing.clone());
-        for (set, smoothing) in [&mut self.logs.train, &mut self.logs.test].into_iter().zip(&smoothing) {
-            set.rows.leave_out_largest(smoothing, &bearable, MOST_DISTORTED);
-        }
-        self.model.arm = self.model.known.arm.clone();
+        self.leave_out_largest(&smoothing, &bearable, minor);
+        self.take_arm_as_known();
     }
 }

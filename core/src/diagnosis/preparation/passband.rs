@@ -12,8 +12,8 @@ use crate::recording::Recording;
 use crate::signal::ZeroPhaseLowPass;
 use nalgebra::{DMatrix, DVector};
 
-/// Factor by which the power of the torque must fall from one octave to the next, on every joint, for the torque to have been
-/// filtered: steps of friction fall by two, a motion without friction or noise by more, but it is not left out of the fit.
+/// Factor by which the power of the torque must fall from one octave to the next, on every joint, for filters to be tried there: steps of
+/// friction fall by two, a motion without friction or noise by more. Whether one is taken is decided by the residual ([`best`]).
 const FALL: f64 = 1e3;
 
 /// Lowest frequency that is looked at, and highest as a share of the rate.

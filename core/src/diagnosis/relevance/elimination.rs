@@ -64,7 +64,7 @@ pub(crate) fn eliminate(
     let judge = Judge::new(session, &members, whitener, any_size)?;
     let mut kept: Vec<usize> = (0..members.len()).collect();
     let mut out: Vec<(usize, Judgement, Vec<f64>)> = Vec::new();
-    while let Some((index, failed, size)) = least_that_fails(&judge, &kept, session.criteria.worse) {
+    while let Some((index, failed, size)) = least_that_fails(&judge, &kept, session.criteria.worse()) {
         let member = kept.remove(index);
         tracing::debug!(family = ?members[member].candidate.family(), ?failed, "does not matter");
         out.push((member, failed, size));

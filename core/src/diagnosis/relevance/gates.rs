@@ -159,7 +159,7 @@ impl<'a> Judge<'a> {
         let valid = &self.session.logs.test.rows.valid;
         let [baseline, new] = [&self.baseline, after].map(|residual| rms(valid, residual));
         let factors = self.growing_joints([before, after]).map(|joint| new[joint] / baseline[joint]);
-        Judgement::at_most(Gate::EveryJoint, factors.fold(1.0, f64::max), self.session.criteria.worse)
+        Judgement::at_most(Gate::EveryJoint, factors.fold(1.0, f64::max), self.session.criteria.worse())
     }
 
     /// Joints whose held-out residual grows from `before` to `after`, at the level [`Criteria::worse_p`] each.
@@ -175,7 +175,7 @@ impl<'a> Judge<'a> {
         let [_, after] = self.fit.residuals(kept);
         let [old, new] = [&self.baseline, &after].map(|residual| rms(&self.session.logs.test.rows.valid, residual));
         let worse = self.growing_joints([&self.baseline, &after]).map(|joint| (joint, new[joint] / old[joint]));
-        worse.filter(|(_, factor)| *factor > self.session.criteria.worse).max_by(|a, b| a.1.total_cmp(&b.1))
+        worse.filter(|(_, factor)| *factor > self.session.criteria.worse()).max_by(|a, b| a.1.total_cmp(&b.1))
     }
 
     /// Of the members at `kept` the place of that without which `joint` is predicted best.
@@ -253,7 +253,7 @@ impl<'a> Judge<'a> {
 /// what is missing beyond the noise, which is taken for no less than the noise.
 fn least_size(residual: f64, noise: f64, torque: f64, criteria: &Criteria) -> f64 {
     let excess = (residual * residual - noise * noise).max(0.0).sqrt();
-    (criteria.share_of_torque * torque).min(criteria.share_of_excess * excess.max(noise))
+    (criteria.share_of_torque * torque).min(criteria.levels.minor * excess.max(noise))
 }
 
 /// Share of an excess over the noise, in squares, that is gone from `before` to `after`, both root mean square; zero where there is none.

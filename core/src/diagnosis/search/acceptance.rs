@@ -127,10 +127,9 @@ impl Trial<'_> {
     /// Whether the torque of a joint stays within the level at which it is cut off, which is about `limit`, to a share that matters and the
     /// noise of its sensor. What is cut off has one level: the lowest within its scatter counts.
     fn exceeded(&self, joint: usize, limit: f64) -> Judgement {
-        let Session { logs, model, criteria, .. } = self.session;
-        let rows = &logs.train.rows;
+        let (rows, criteria) = (&self.session.logs.train.rows, &self.session.criteria);
         let lowest = |flat: FlatLevel| flat.level - criteria.levels.significant_std() * flat.std;
-        let level = flat_level(&model.arm, rows, joint, limit).map_or(limit, lowest);
+        let level = flat_level(&self.session.model.arm, rows, joint, limit).map_or(limit, lowest);
         let largest = rows.torque[joint].iter().fold(0.0f64, |most, torque| most.max(torque.abs()));
         let noise = criteria.levels.far * rows.sensor_noise(joint, 1);
         Judgement::at_most(Gate::Exceeded, (largest - noise) / level, 1.0 + criteria.share_of_torque)

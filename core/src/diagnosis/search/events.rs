@@ -19,12 +19,12 @@ impl Session<'_> {
     /// they would pull at all parameters.
     pub(super) fn leave_out_ends(&mut self, member: &Member) {
         let Candidate { placed, log, .. } = &member.candidate;
-        let rows = &mut self.logs.train.rows;
-        for index in (0..rows.logs.len()).filter(|index| log.is_none_or(|own| own == *index)) {
+        for index in (0..self.logs.train.rows.logs.len()).filter(|index| log.is_none_or(|own| own == *index)) {
             for end in placed.effect.acts_between(&placed.parameters) {
-                let sample = |t: f64| rows.logs[index].time.partition_point(|own| *own < t);
+                let time = &self.logs.train.rows.logs[index].time;
+                let sample = |t: f64| time.partition_point(|own| *own < t);
                 let [from, to] = [-ENDS_OF_EVENT_S, ENDS_OF_EVENT_S].map(|apart| sample(end + apart));
-                rows.leave_out_samples(index, from, to);
+                self.leave_out_samples(index, from, to);
             }
         }
     }

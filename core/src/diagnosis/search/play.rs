@@ -63,7 +63,7 @@ pub(super) fn rattling_gears(session: &Session, options: &Options) -> Result<Imp
             Judgement::at_most(Gate::ImpactsAlike, alike.exp(), levels.strict_p),
         ];
         let timed = || {
-            let play = train.play(joint, &session.model.arm, &session.logs.train.rows);
+            let play = train.play(joint, &session.model.arm, &session.logs.train.rows, levels.stands_out);
             let play = play.ok_or(Judgement::at_least(Gate::ImpactsTimed, 0.0, 1.0))?;
             let can_be = effect.is_believable(&[play.half_gap], joint, session.model.base.robot());
             let believable = Judgement::at_most(Gate::Believable, f64::from(u8::from(!can_be)), 0.0);

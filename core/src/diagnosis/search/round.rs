@@ -115,7 +115,7 @@ pub(super) fn converged(session: &mut Session, found: &mut [Found], whitener: &W
     if unseen.is_empty() && !members.iter().any(|member| !member.held && acts_upon_arm(member.placed.effect)) {
         return Ok(None);
     }
-    session.logs = unseen.free_in(&session.logs);
+    session.go_on_with(unseen.free_in(&session.logs));
     for _ in 0..ROUNDS {
         members.iter_mut().for_each(Member::take_departures_at_estimates);
         let before: Vec<Vec<f64>> = members.iter().map(|member| member.factors.clone()).collect();
@@ -126,7 +126,7 @@ pub(super) fn converged(session: &mut Session, found: &mut [Found], whitener: &W
     }
     if !unseen.is_empty() {
         let solved = session.solved(&members, whitener)?;
-        session.model.arm.describe(&unseen.change(&solved.values));
+        session.describe_change(&unseen.change(&solved.values));
         session.settle(&mut members, whitener)?;
     }
     let columns = session.model.columns(&session.logs.train, &members)?;

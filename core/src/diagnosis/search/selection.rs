@@ -60,9 +60,9 @@ pub(crate) fn select(session: &mut Session, options: &Options, watch: &mut Watch
     let impacts = rattling_gears(session, options)?;
     found.extend(impacts.found);
     rejected.extend(impacts.rejected);
-    session.model.open_play = impacts.open_play;
+    session.leave_play_open(impacts.open_play);
     if let Some(logs) = impacts.logs {
-        session.logs = logs;
+        session.go_on_with(logs);
     }
     if !found.is_empty() {
         round = round.next(session, &mut found, options)?;

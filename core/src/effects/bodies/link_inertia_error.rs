@@ -98,6 +98,10 @@ impl Effect for LinkInertiaError {
         can_be(&changed.joints[joint].inertia, robot, joint)
     }
 
+    fn is_body(&self) -> bool {
+        true
+    }
+
     /// On the last link it is what hangs on the flange.
     fn derived(&self, p: &[f64], joint: usize, robot: &Robot) -> Vec<Derived> {
         match p.try_into() {

@@ -140,9 +140,11 @@ impl<'a> IdentificationBuilder<'a> {
         goes_on(stop)?;
         let logs = Logs { train: &train, test: &test };
         let preparation = preparation.unwrap_or_else(|| Preparation::usual(first));
-        let equations::Observed { model, mut notes } = equations::observed(robot, logs, preparation, trust)?;
+        let equations::Observed { model, mut notes } = equations::observed(robot, logs, preparation.clone(), trust)?;
         let placed = placed(&wanted, robot, &model)?;
-        let fit = |placed, logs, rows: &[bool]| fit_effects_until(&model, trust, logs, preparation, placed, rows, stop);
+        let fit = |placed, logs, rows: &[bool]| {
+            fit_effects_until(&model, trust, logs, preparation.clone(), placed, rows, stop)
+        };
         progress(Progress::Arm);
         let mut plain = fit(Vec::new(), logs, &vec![true; model.dof()])?;
         let mut extended = None;
@@ -167,7 +169,7 @@ impl<'a> IdentificationBuilder<'a> {
         progress(Progress::Bodies);
         // Inertias of the description are consistent already; with effects in the fit, the bodies are those of the fit without.
         let bodies = match trust {
-            Trust::Structure => Some(consistent(&model, logs, preparation, &plain)?),
+            Trust::Structure => Some(consistent(&model, logs, preparation.clone(), &plain)?),
             Trust::Nominal => None,
         };
         let identified = match &bodies {
@@ -236,7 +238,7 @@ mod tests {
         let found = Identification::of(&robot).train([&train]).test([&test]).run().unwrap();
         let logs = Logs { train: &[&train], test: &[&test] };
         let (model, preparation) = (Model::new(&robot), Preparation::usual(&train));
-        let plain = fit_effects(&model, Trust::Structure, logs, preparation, Vec::new()).unwrap();
+        let plain = fit_effects(&model, Trust::Structure, logs, preparation.clone(), Vec::new()).unwrap();
         let bodies = consistent(&model, logs, preparation, &plain).unwrap();
         assert_eq!(found.fitted().fit.estimate.beta, plain.fit.estimate.beta);
         assert_eq!((&found.robot, found.notes.len()), (&bodies.robot(&robot), 0));

@@ -54,7 +54,7 @@ impl EffectModel<'_> {
             motors: &prepared.motion,
             period,
             measured: Box::new(move || Ok(Cow::Owned(unsmoothed(&log.q, period)?))),
-            smoothed: Box::new(|_, signal| prepared.filtered_like_positions(signal)),
+            smoothed: Box::new(|joint, signal| prepared.filtered_like_positions(joint, signal)),
         }
     }
 }

@@ -95,7 +95,7 @@ impl EffectModel<'_> {
         let corrected;
         let (recording, prepared) = match &undone {
             Some(log) => {
-                corrected = prepare::measured(log, self.preparation.smoothing, self.preparation.band)?.like(prepared);
+                corrected = prepare::measured(log, &self.preparation.smoothing, self.preparation.band)?.like(prepared);
                 (log, &corrected)
             }
             None => (recording, prepared),

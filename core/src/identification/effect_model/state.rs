@@ -33,7 +33,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// assert_eq!((chosen.band, usual.band), (Band::OfNoise, Band::OfNoise));
 /// # Ok::<(), tauscope::error::Error>(())
 /// ```
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Preparation {
     /// Smoothing, differentiation and the filter of torque and columns.
     pub smoothing: Smoothing,
@@ -122,7 +122,7 @@ impl<'a> EffectModel<'a> {
     ) -> Result<Self> {
         let logs = logs
             .iter()
-            .map(|&log| Ok((log, prepare::measured(log, preparation.smoothing, preparation.band)?)))
+            .map(|&log| Ok((log, prepare::measured(log, &preparation.smoothing, preparation.band)?)))
             .collect::<Result<_>>()?;
         let stood_for = |parameter: ArmParameter| {
             drive_of(model, parameter).is_some_and(|drive| placed.iter().any(|placed| stands_for(placed, drive)))

@@ -66,7 +66,7 @@ pub fn observed(robot: &Robot, logs: Logs, preparation: Preparation, trust: Trus
     let mut notes: Vec<String> = unlogged.map(|(spec, _)| format!("joint `{}`: {}", spec.name, no_torque())).collect();
     let (mut rows, mut forward) = (vec![0usize; robot.dof()], vec![0usize; robot.dof()]);
     for log in logs.train {
-        let prepared = prepare::measured(log, preparation.smoothing, preparation.band)?;
+        let prepared = prepare::measured(log, &preparation.smoothing, preparation.band)?;
         let mut own = Vec::with_capacity(robot.dof());
         for (joint, forward) in forward.iter_mut().enumerate() {
             let (used, [_, speed]) = (prepared.rows_to_use(joint), prepared.row_motion(joint)?);

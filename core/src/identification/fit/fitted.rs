@@ -56,7 +56,7 @@ pub struct Logs<'a> {
 /// let (model, preparation) = (Model::new(&robot), Preparation::usual(&log));
 /// let logs = Logs { train: &[&log], test: &[&other] };
 /// let ripple = Placed { effect: &TorqueRipple, joint: 1, parameters: vec![0.5, 0.5, 7.0] };
-/// let fit = |placed| fit_effects(&model, Trust::Structure, logs, preparation, placed);
+/// let fit = |placed| fit_effects(&model, Trust::Structure, logs, preparation.clone(), placed);
 /// let (without, with) = (fit(Vec::new())?, fit(vec![ripple])?);
 /// assert!(with.test_rms[1] < 0.6 * without.test_rms[1]);
 /// assert!((with.placed[0].parameters[2] - 7.0).abs() < 0.1);
@@ -152,7 +152,7 @@ pub(in crate::identification) fn fit_effects_until(
     // Friction that goes with the load follows the bodies as estimated without it: they would chase each other.
     let bodies = match trust == Trust::Structure && placed.iter().any(goes_with_load) {
         true => {
-            let plain = EffectModel::new(model, trust, logs.train, preparation, Vec::new())?;
+            let plain = EffectModel::new(model, trust, logs.train, preparation.clone(), Vec::new())?;
             let mut plain = plain.with_reversals(kept).with_stop(stop);
             let found = fit(&mut plain)?;
             plain.set_baseline(&found.estimate.beta);
@@ -161,7 +161,7 @@ pub(in crate::identification) fn fit_effects_until(
         false => Arm::new(model.robot(), trust),
     };
     let along = |logs, placed, kept: &[bool]| -> Result<EffectModel> {
-        let model = EffectModel::new(model, trust, logs, preparation, placed)?;
+        let model = EffectModel::new(model, trust, logs, preparation.clone(), placed)?;
         Ok(model.with_reversals(kept).with_bodies(bodies.clone()).with_stop(stop))
     };
     let mut reversals = kept.to_vec();

@@ -53,7 +53,7 @@ const CONDITIONS: usize = 7;
 /// // Base parameters from a log, and bodies that can exist and have them.
 /// let (model, preparation) = (Model::new(&robot), Preparation::usual(&log));
 /// let logs = Logs { train: &[&log], test: &[&other] };
-/// let fitted = fit_effects(&model, Trust::Structure, logs, preparation, Vec::new())?;
+/// let fitted = fit_effects(&model, Trust::Structure, logs, preparation.clone(), Vec::new())?;
 /// let bodies = consistent::consistent(&model, logs, preparation, &fitted)?;
 /// let identified = bodies.robot(&robot);
 /// assert!(identified.joints.iter().all(|joint| joint.inertia.physical_fault(1e-9).is_none()));
@@ -99,7 +99,7 @@ impl Consistent {
 pub fn consistent(model: &Model, logs: Logs, preparation: Preparation, fitted: &Fitted) -> Result<Consistent> {
     let estimate = &fitted.fit.estimate;
     let regression = |recordings| {
-        let rows = EffectModel::new(model, Trust::Structure, recordings, preparation, Vec::new())?;
+        let rows = EffectModel::new(model, Trust::Structure, recordings, preparation.clone(), Vec::new())?;
         rows.with_reversals(&fitted.reversals).regression()
     };
     let training = regression(logs.train)?;

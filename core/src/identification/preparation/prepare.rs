@@ -15,7 +15,7 @@ use crate::signal::{
     Edge, Filter, NoiseGains, SavitzkyGolay, Slow, ZeroPhaseLowPass, downsample, first_derivative, second_derivative,
     white_noise,
 };
-use std::borrow::Cow;
+use std::borrow::{Borrow, Cow};
 use std::f64::consts::SQRT_2;
 use std::ops::Range;
 
@@ -36,7 +36,7 @@ use std::ops::Range;
 /// assert!((1.0..5.0).contains(&cutoff_hz));
 /// # Ok::<(), tauscope::error::Error>(())
 /// ```
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum Smoothing {
     /// Not at all: measured positions, velocities and accelerations (or central differences) as they are.
     None,
@@ -61,8 +61,8 @@ pub enum Smoothing {
     /// As `diagnose` prepares logs: positions through a steep zero-phase low-pass, differences of high order for velocity and
     /// acceleration, torque and columns as means over blocks, which leaves white noise white.
     BlockMeans {
-        /// Cut-off of the positions, Hz.
-        cutoff_hz: f64,
+        /// Cut-off of the positions, Hz: one of all joints, or one of each.
+        cutoffs_hz: Vec<f64>,
         /// Samples in a block.
         block: usize,
     },
@@ -70,8 +70,8 @@ pub enum Smoothing {
 
 impl Smoothing {
     /// Samples from one row to the next.
-    pub fn decimation(self) -> usize {
-        match self {
+    pub fn decimation(&self) -> usize {
+        match *self {
             Smoothing::None => 1,
             Smoothing::SavitzkyGolay { decimation, .. } | Smoothing::LowPass { decimation, .. } => decimation,
             Smoothing::BlockMeans { block, .. } => block,
@@ -108,7 +108,7 @@ pub fn position_cutoff_hz(cutoff_hz: f64, rate_hz: f64) -> f64 {
 ///
 /// // Every fourth sample is a row; columns go through the same filter as the torque.
 /// let smoothing = Smoothing::SavitzkyGolay { window: 11, order: 4, decimation: 4 };
-/// let prepared = prepare::measured(&log, smoothing, Band::OfNoise)?;
+/// let prepared = prepare::measured(&log, &smoothing, Band::OfNoise)?;
 /// let rows = prepared.regression(&Model::new(&robot))?;
 /// assert_eq!((prepared.motion.samples(), rows.len()), (800, 5));
 ///
@@ -129,8 +129,8 @@ pub struct Prepared<'a> {
     /// Samples without torque, of each joint.
     unmeasured: Vec<Vec<Range<usize>>>,
     filter: Filter,
-    /// The filter that positions went through.
-    position_filter: Filter,
+    /// The filter that the positions of each joint went through.
+    position_filters: Vec<Filter>,
     decimation: usize,
     /// Samples on either side whose values enter a filtered sample.
     reach: usize,
@@ -145,19 +145,24 @@ pub struct Prepared<'a> {
 /// Makes the measured signals of `recording` ready. `band` is the speed below which a joint's direction is not certain.
 ///
 /// # Errors
-/// If the log is too short for the filter or the window is impossible.
-pub fn measured(recording: &Recording, smoothing: Smoothing, band: impl Into<Band>) -> Result<Prepared<'_>> {
-    let band = band.into();
+/// If the log is too short for the filter, the window is impossible, or there is another number of cut-offs than of joints.
+pub fn measured(
+    recording: &Recording,
+    smoothing: impl Borrow<Smoothing>,
+    band: impl Into<Band>,
+) -> Result<Prepared<'_>> {
+    let (smoothing, band) = (smoothing.borrow(), band.into());
     let period = 1.0 / recording.rate_hz();
     let (q, joints) = (&recording.q, &recording.joints);
-    let (motion, filter, position_filter, decimation, reach) = match smoothing {
+    let alike = |filter: Filter| vec![filter; joints.len()];
+    let (motion, filter, position_filters, decimation, reach) = match *smoothing {
         Smoothing::None => {
             let motion = Motion {
                 q: q.clone(),
                 qd: or_derivative(recording.qd.as_ref(), q, joints, |x, out| first_derivative(x, period, out))?,
                 qdd: or_derivative(recording.qdd.as_ref(), q, joints, |x, out| second_derivative(x, period, out))?,
             };
-            (motion, Filter::None, Filter::None, 1, 1)
+            (motion, Filter::None, alike(Filter::None), 1, 1)
         }
         Smoothing::SavitzkyGolay { window, order, decimation } => {
             SavitzkyGolay::check_window(window, q.samples())?;
@@ -172,7 +177,7 @@ pub fn measured(recording: &Recording, smoothing: Smoothing, band: impl Into<Ban
             }
             let [filter, ..] = filters;
             let filter = Filter::SavitzkyGolay(filter);
-            (motion, filter.clone(), filter, decimation, window / 2)
+            (motion, filter.clone(), alike(filter), decimation, window / 2)
         }
         Smoothing::LowPass { cutoff_hz, decimation } => {
             let low_pass = ZeroPhaseLowPass::new(LOW_PASS_ORDER, cutoff_hz, recording.rate_hz())?;
@@ -186,20 +191,20 @@ pub fn measured(recording: &Recording, smoothing: Smoothing, band: impl Into<Ban
             };
             // The response has died away after about one period of the cut-off.
             let reach = (recording.rate_hz() / cutoff_hz).ceil() as usize;
-            (motion, Filter::LowPass(low_pass), Filter::LowPass(wide), decimation, reach)
+            (motion, Filter::LowPass(low_pass), alike(Filter::LowPass(wide)), decimation, reach)
         }
-        Smoothing::BlockMeans { cutoff_hz, block } => {
-            let low_pass = ZeroPhaseLowPass::new(low_passed::ORDER, cutoff_hz, recording.rate_hz())?;
-            let motion = low_passed::low_passed(recording, &vec![low_pass.clone(); joints.len()])?;
+        Smoothing::BlockMeans { ref cutoffs_hz, block } => {
+            let low_passes = low_passed::low_passes(cutoffs_hz, recording)?;
+            let motion = low_passed::low_passed(recording, &low_passes)?;
             let filter = Filter::Means(block);
             let reach = filter.reach().unwrap_or_default();
-            (motion, filter, Filter::LowPass(low_pass), block, reach)
+            (motion, filter, low_passes.into_iter().map(Filter::LowPass).collect(), block, reach)
         }
     };
     let (slow, weights) = match band {
         Band::Given(speed) => (vec![Slow::given(speed); recording.joints()], Vec::new()),
         Band::OfNoise => (
-            own_bands(recording, &motion, smoothing, &position_filter)?,
+            own_bands(recording, &motion, smoothing, &position_filters)?,
             reversals::weights(&filter, reach, recording.samples())?,
         ),
     };
@@ -211,7 +216,7 @@ pub fn measured(recording: &Recording, smoothing: Smoothing, band: impl Into<Ban
         torque,
         unmeasured,
         filter,
-        position_filter,
+        position_filters,
         decimation,
         reach,
         quick: vec![band == Band::OfNoise; recording.joints()],
@@ -221,27 +226,35 @@ pub fn measured(recording: &Recording, smoothing: Smoothing, band: impl Into<Ban
 }
 
 /// Speed below which the direction of each joint is not certain, from the noise of its velocity.
-fn own_bands(recording: &Recording, motion: &Motion, smoothing: Smoothing, filter: &Filter) -> Result<Vec<Slow>> {
+fn own_bands(recording: &Recording, motion: &Motion, smoothing: &Smoothing, filters: &[Filter]) -> Result<Vec<Slow>> {
     let period = 1.0 / recording.rate_hz();
-    let gains = NoiseGains::new(recording.samples(), |impulse| {
-        let [mut smooth, mut rate] = [impulse.to_vec(), impulse.to_vec()];
-        filter.apply(impulse, &mut smooth)?;
-        match smoothing {
-            Smoothing::SavitzkyGolay { window, order, .. } => {
-                SavitzkyGolay::new(window, order, 1, period, Edge::Polynomial)?.apply(impulse, &mut rate)?;
+    let gains_of = |filter: &Filter| {
+        NoiseGains::new(recording.samples(), |impulse| {
+            let [mut smooth, mut rate] = [impulse.to_vec(), impulse.to_vec()];
+            filter.apply(impulse, &mut smooth)?;
+            match *smoothing {
+                Smoothing::SavitzkyGolay { window, order, .. } => {
+                    SavitzkyGolay::new(window, order, 1, period, Edge::Polynomial)?.apply(impulse, &mut rate)?;
+                }
+                Smoothing::None | Smoothing::LowPass { .. } | Smoothing::BlockMeans { .. } => {
+                    first_derivative(&smooth, period, &mut rate)?;
+                }
             }
-            Smoothing::None | Smoothing::LowPass { .. } | Smoothing::BlockMeans { .. } => {
-                first_derivative(&smooth, period, &mut rate)?;
-            }
-        }
-        Ok([smooth, rate])
-    })?;
+            Ok([smooth, rate])
+        })
+    };
+    // Joints with one filter have one answer.
+    let mut gains: Vec<NoiseGains> = Vec::with_capacity(filters.len());
+    for (joint, filter) in filters.iter().enumerate() {
+        let same = filters[..joint].iter().position(|other| other == filter);
+        gains.push(same.map_or_else(|| gains_of(filter), |other| Ok(gains[other]))?);
+    }
     let velocity = |joint| recording.qd.as_ref().filter(|_| recording.has_velocity(joint));
     let noise = |joint: usize| match (smoothing, velocity(joint)) {
         (Smoothing::None, Some(measured)) => white_noise(measured.channel(joint)),
         // Central differences of white noise.
         (Smoothing::None, None) => white_noise(recording.q.channel(joint)) / (SQRT_2 * period),
-        _ => gains.velocity_noise(recording.q.channel(joint), motion.q.channel(joint)),
+        _ => gains[joint].velocity_noise(recording.q.channel(joint), motion.q.channel(joint)),
     };
     Ok((0..recording.joints()).map(|joint| Slow::new(motion.qd.channel(joint), noise(joint))).collect())
 }
@@ -256,7 +269,7 @@ pub fn exact<'a>(time: &'a [f64], signals: &'a Signals, band: f64) -> Prepared<'
         torque: Cow::Borrowed(tau),
         unmeasured: vec![Vec::new(); q.channels()],
         filter: Filter::None,
-        position_filter: Filter::None,
+        position_filters: vec![Filter::None; q.channels()],
         decimation: 1,
         reach: 0,
         quick: vec![false; q.channels()],
@@ -302,13 +315,13 @@ impl<'a> Prepared<'a> {
             .collect()
     }
 
-    /// A signal through the filter that positions went through, at the rate of the log.
+    /// A signal of a joint through the filter that its positions went through, at the rate of the log.
     ///
     /// # Errors
     /// If the log is too short for the filter.
-    pub(in crate::identification) fn filtered_like_positions(&self, signal: &[f64]) -> Result<Vec<f64>> {
+    pub(in crate::identification) fn filtered_like_positions(&self, joint: usize, signal: &[f64]) -> Result<Vec<f64>> {
         let mut out = vec![0.0; signal.len()];
-        self.position_filter.apply(signal, &mut out)?;
+        self.position_filters[joint].apply(signal, &mut out)?;
         Ok(out)
     }
 

@@ -20,7 +20,7 @@ use crate::signal::Filter;
 ///
 /// // The wider the band of speeds, the fewer samples have a direction that is certain.
 /// let smoothing = Smoothing::SavitzkyGolay { window: 11, order: 4, decimation: 4 };
-/// let moving = |band: Band| prepare::measured(&log, smoothing, band).map(|log| log.moving(0));
+/// let moving = |band: Band| prepare::measured(&log, &smoothing, band).map(|log| log.moving(0));
 /// let samples = |band| Ok::<_, tauscope::error::Error>(moving(band)?.iter().filter(|moves| **moves).count());
 /// assert!(samples(Band::Given(0.5))? < samples(Band::Given(0.05))?);
 /// # Ok::<(), tauscope::error::Error>(())

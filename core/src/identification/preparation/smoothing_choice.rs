@@ -122,12 +122,12 @@ pub fn usual_block(rate_hz: f64) -> usize {
 /// use tauscope::identification::smoothing_choice::{Described, described};
 ///
 /// let smoothing = Smoothing::SavitzkyGolay { window: 61, order: 6, decimation: 5 };
-/// let in_numbers = described(smoothing, 500.0)?;
+/// let in_numbers = described(&smoothing, 500.0)?;
 /// let Some(Described::SavitzkyGolay { window_s, cutoff_hz, .. }) = in_numbers else { unreachable!() };
 /// assert!((window_s - 0.12).abs() < 0.01 && (10.0..40.0).contains(&cutoff_hz));
 /// # Ok::<(), tauscope::error::Error>(())
 /// ```
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
 pub enum Described {
     /// Savitzky-Golay.
@@ -158,8 +158,8 @@ pub enum Described {
     BlockMeans {
         /// Order of the low-pass in each direction.
         order: usize,
-        /// Cut-off of the positions, Hz: half the amplitude passes.
-        position_cutoff_hz: f64,
+        /// Cut-offs of the positions, Hz, one of all joints or one of each: half the amplitude passes.
+        position_cutoffs_hz: Vec<f64>,
         /// Samples in a block.
         block: usize,
     },
@@ -169,8 +169,8 @@ pub enum Described {
 ///
 /// # Errors
 /// If the window is impossible.
-pub fn described(smoothing: Smoothing, rate_hz: f64) -> Result<Option<Described>> {
-    Ok(match smoothing {
+pub fn described(smoothing: &Smoothing, rate_hz: f64) -> Result<Option<Described>> {
+    Ok(match *smoothing {
         Smoothing::None => None,
         Smoothing::SavitzkyGolay { window, order, decimation } => {
             let smoother = SavitzkyGolay::new(window, order, 0, 1.0 / rate_hz, Edge::Nearest)?;
@@ -183,8 +183,8 @@ pub fn described(smoothing: Smoothing, rate_hz: f64) -> Result<Option<Described>
             torque_cutoff_hz: cutoff_hz,
             decimation,
         }),
-        Smoothing::BlockMeans { cutoff_hz, block } => {
-            Some(Described::BlockMeans { order: low_passed::ORDER, position_cutoff_hz: cutoff_hz, block })
+        Smoothing::BlockMeans { ref cutoffs_hz, block } => {
+            Some(Described::BlockMeans { order: low_passed::ORDER, position_cutoffs_hz: cutoffs_hz.clone(), block })
         }
     })
 }
@@ -248,15 +248,15 @@ mod tests {
 
     #[test]
     fn what_is_described_is_what_is_used() {
-        assert_eq!(described(Smoothing::None, 500.0).unwrap(), None);
-        let low_pass = described(Smoothing::LowPass { cutoff_hz: 100.0, decimation: 3 }, 500.0).unwrap();
+        assert_eq!(described(&Smoothing::None, 500.0).unwrap(), None);
+        let low_pass = described(&Smoothing::LowPass { cutoff_hz: 100.0, decimation: 3 }, 500.0).unwrap();
         let position_cutoff_hz = 0.45 * 500.0;
         let expected = Described::Butterworth { order: 4, position_cutoff_hz, torque_cutoff_hz: 100.0, decimation: 3 };
         assert_eq!(low_pass, Some(expected));
-        let means = described(Smoothing::BlockMeans { cutoff_hz: 8.0, block: 10 }, 500.0).unwrap();
-        assert_eq!(means, Some(Described::BlockMeans { order: 6, position_cutoff_hz: 8.0, block: 10 }));
+        let means = described(&Smoothing::BlockMeans { cutoffs_hz: vec![8.0], block: 10 }, 500.0).unwrap();
+        assert_eq!(means, Some(Described::BlockMeans { order: 6, position_cutoffs_hz: vec![8.0], block: 10 }));
         let window = Smoothing::SavitzkyGolay { window: 61, order: 6, decimation: 5 };
-        let Some(Described::SavitzkyGolay { window_s, cutoff_hz, .. }) = described(window, 500.0).unwrap() else {
+        let Some(Described::SavitzkyGolay { window_s, cutoff_hz, .. }) = described(&window, 500.0).unwrap() else {
             panic!()
         };
         assert!((window_s - 0.122).abs() < 1e-12 && (20.0..25.0).contains(&cutoff_hz), "{cutoff_hz}");

@@ -42,19 +42,19 @@ pub(super) fn run(path: &Path, global: &Global) -> Result<u8> {
     let model = Model::new(&robot);
     let usual_preparation = Preparation::usual(&train[0]);
     let (train, test): (Vec<&Recording>, Vec<&Recording>) = (train.iter().collect(), test.iter().collect());
-    let preparation = Preparation { smoothing: smoothing_choice::savitzky_golay(&train)?, ..usual_preparation };
+    let preparation = Preparation { smoothing: smoothing_choice::savitzky_golay(&train)?, ..usual_preparation.clone() };
     let logs = fit::Logs { train: &train, test: &test };
 
     let mut identified = |variant| {
         stages.begin("identifying");
-        measured::identify(&model, logs, variant, [preparation, usual_preparation])
+        measured::identify(&model, logs, variant, [preparation.clone(), usual_preparation.clone()])
     };
     let (raw, smoothed) = (identified(Variant::Raw)?, identified(Variant::SavitzkyGolay)?);
     let (usual, missing) = compared(identified(Variant::Butterworth));
     let ways = Compared { raw: &raw, smoothed: &smoothed, usual: usual.as_ref(), missing: missing.as_deref() };
     let plain = &smoothed.fitted;
     stages.begin("finding consistent parameters");
-    let bodies = consistent(&model, logs, preparation, plain)?;
+    let bodies = consistent(&model, logs, preparation.clone(), plain)?;
     let identified = bodies.robot(&robot);
 
     let found = fit_report::Found { plain, extended: None, consistent: Some(&bodies), torque_is_scaled };

@@ -108,7 +108,7 @@ fn confusions(robot: &Robot, found: &Found, about: &About) -> Vec<Block> {
         });
         return vec![
             Block::text("Not separable from it on these logs:"),
-            Block::table(["alternative", "relative likelihood", "how to tell"], rows.collect()),
+            Block::table(["alternative", "relative likelihood", "how to separate"], rows.collect()),
         ];
     }
     let rivals = about.rivals.iter().map(|rival| vec![spaced(rival.name), rival.how_to_tell.to_owned()]);
@@ -117,7 +117,7 @@ fn confusions(robot: &Robot, found: &Found, about: &About) -> Vec<Block> {
         true => Vec::new(),
         false => vec![
             Block::text("No other effect of the library explains these logs as well. It is easily taken for:"),
-            Block::table(["effect", "how to tell"], rivals),
+            Block::table(["effect", "how to separate"], rivals),
         ],
     }
 }

@@ -1,39 +1,57 @@
 //! The logs and the arm under diagnosis, and fits of the baseline with a few effects on top.
 
-use super::arm_columns::Moved;
-use super::arm_model::ArmModel;
-use super::blocks::ParameterBlocks;
-use super::cut_off::flat_level;
-use super::data_set::DataSet;
-use super::errors_in_variables::{ErrorsInVariables, Nuisances};
-use super::member::Member;
-use super::prepared::PreparedLogs;
-use super::roles::{ENDS_OF_EVENT_S, is_event, is_level, is_shift, linear, shapes};
+mod changes;
+
 use crate::diagnosis::criteria::Criteria;
+use crate::diagnosis::model::arm_columns::Moved;
+use crate::diagnosis::model::arm_model::ArmModel;
+use crate::diagnosis::model::blocks::ParameterBlocks;
+use crate::diagnosis::model::cut_off::flat_level;
+use crate::diagnosis::model::data_set::DataSet;
+use crate::diagnosis::model::errors_in_variables::{ErrorsInVariables, Nuisances};
+use crate::diagnosis::model::member::Member;
+use crate::diagnosis::model::prepared::PreparedLogs;
+use crate::diagnosis::model::roles::{ENDS_OF_EVENT_S, is_event, is_level, is_shift, linear, shapes};
 use crate::diagnosis::noise::{NoiseMemory, Whitener};
 use crate::diagnosis::regression::{Column, JointEquations, Projection, Solved, combined, solve};
 use crate::effects::Placed;
 use crate::error::Result;
 use crate::identification::effect_model::Arm;
+use std::ops::Deref;
 
 /// Mean square of a joint's whitened residual up to which the noise is as large as the residual, and rounds of scaling it up to that: the
 /// iteration ends there. From where a joint is misfit is decided by [`crate::diagnosis::Levels::misfit`].
 const MISFIT: f64 = 1.2;
 const MISFIT_ROUNDS: usize = 2;
 
-/// Prepared logs, and the model of the arm as fitted to them.
+/// Prepared logs, and the model of the arm as fitted to them. Who has a session reads its [`State`]; only its methods change it.
 #[derive(Debug)]
 pub struct Session<'a> {
+    /// What can be read.
+    state: State<'a>,
+    /// Errors in variables along the training and the held-out logs: torque from errors of the positions, for the arm as last estimated.
+    errors: [ErrorsInVariables; 2],
+    /// Noises estimated so far.
+    noises: NoiseMemory,
+}
+
+/// The logs, the model and the thresholds of a session.
+#[derive(Debug)]
+pub struct State<'a> {
     /// The logs.
     pub logs: PreparedLogs,
     /// The model.
     pub model: ArmModel<'a>,
     /// Thresholds that decide about what is found in it.
     pub criteria: Criteria,
-    /// Errors in variables along the training and the held-out logs: torque from errors of the positions, for the arm as last estimated.
-    errors: [ErrorsInVariables; 2],
-    /// Noises estimated so far.
-    noises: NoiseMemory,
+}
+
+impl<'a> Deref for Session<'a> {
+    type Target = State<'a>;
+
+    fn deref(&self) -> &State<'a> {
+        &self.state
+    }
 }
 
 /// A fit of a model to the training logs, in units of the noise under that model.
@@ -48,7 +66,13 @@ pub(crate) struct Fit {
 impl<'a> Session<'a> {
     /// A model that is not yet fitted to the logs.
     pub(crate) fn unfitted(logs: PreparedLogs, model: ArmModel<'a>, criteria: Criteria) -> Self {
-        Session { logs, model, criteria, errors: Default::default(), noises: NoiseMemory::default() }
+        let state = State { logs, model, criteria };
+        Session { state, errors: Default::default(), noises: NoiseMemory::default() }
+    }
+
+    /// What it holds, at its end.
+    pub(crate) fn into_state(self) -> State<'a> {
+        self.state
     }
 
     /// The same with all logs to identify from.
@@ -138,7 +162,7 @@ impl<'a> Session<'a> {
     /// If a log is too short to differentiate.
     pub fn settle(&mut self, members: &mut [Member], whitener: &Whitener) -> Result<()> {
         let solved = self.solved(members, whitener)?;
-        self.model.arm = self.arm_with(&solved);
+        self.state.model.arm = self.arm_with(&solved);
         let blocks = self.blocks(members);
         for (member, block) in members.iter_mut().zip(&blocks.members).filter(|(member, _)| !member.held) {
             let effect = member.placed.effect;

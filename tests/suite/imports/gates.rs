@@ -1,0 +1,72 @@
+//! The thresholds of gates: each comes from `Criteria`.
+
+use super::tokens::{tokens, without_tests};
+use std::path::{Path, PathBuf};
+
+const JUDGEMENTS: [&str; 4] = ["at_least", "at_most", "above", "below"];
+
+/// The thresholds, words joined, of the judgements in `source`: their third arguments.
+fn thresholds(source: &str) -> Vec<Vec<String>> {
+    let words = without_tests(&tokens(source));
+    let mut found = Vec::new();
+    for (at, window) in words.windows(4).enumerate() {
+        let is_judgement = window[0] == "Judgement" && window[1] == "::" && window[3] == "(";
+        if !is_judgement || !JUDGEMENTS.contains(&window[2].as_str()) {
+            continue;
+        }
+        let (mut depth, mut arguments) = (0, vec![Vec::new()]);
+        for word in &words[at + 4..] {
+            match word.as_str() {
+                "(" | "[" | "{" => depth += 1,
+                ")" | "]" | "}" if depth == 0 => break,
+                ")" | "]" | "}" => depth -= 1,
+                "," if depth == 0 => {
+                    arguments.push(Vec::new());
+                    continue;
+                }
+                _ => {}
+            }
+            arguments.last_mut().expect("there is a first").push(word.clone());
+        }
+        found.extend(arguments.into_iter().nth(2));
+    }
+    found
+}
+
+/// Source files below `folder`.
+fn sources(folder: &Path) -> Vec<PathBuf> {
+    let entries = std::fs::read_dir(folder).expect("the sources can be read");
+    let of_entry = |path: PathBuf| if path.is_dir() { sources(&path) } else { vec![path] };
+    entries.flat_map(|entry| of_entry(entry.expect("the sources can be read").path())).collect()
+}
+
+/// Whether a word is a constant, or a number other than nothing and one.
+fn is_own_number(word: &str) -> bool {
+    let is_constant = word.len() > 1 && word.chars().all(|c| c.is_ascii_uppercase() || c.is_ascii_digit() || c == '_');
+    is_constant || word.starts_with(|c: char| c.is_ascii_digit()) && !["0", "1", "0f64", "1f64"].contains(&word)
+}
+
+#[test]
+fn thresholds_of_gates_are_criteria() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("core/src/diagnosis");
+    let files = sources(&root).into_iter().filter(|file| !file.starts_with(root.join("criteria")));
+    let mut judgements = 0;
+    for file in files {
+        for threshold in thresholds(&std::fs::read_to_string(&file).expect("it is text")) {
+            judgements += 1;
+            let own: Vec<&String> = threshold.iter().filter(|word| is_own_number(word)).collect();
+            assert!(own.is_empty(), "{}: a gate has a threshold of its own: {own:?}", file.display());
+        }
+    }
+    assert!(judgements > 40, "{judgements}");
+}
+
+#[test]
+fn a_threshold_of_its_own_is_found() {
+    let own = |threshold: &str| {
+        let source = format!("fn f() {{ Judgement::at_most(Gate::Size, largest(a, b), {threshold}).or(x) }}");
+        thresholds(&source).concat().iter().any(|word| is_own_number(word))
+    };
+    assert!(own("0.05") && own("LIMIT") && own("2.0 * level") && own("1e-3"));
+    assert!(!own("1.0 + levels.minor") && !own("0.0") && !own("self.limit(k)") && !own("levels.strict_p,"));
+}

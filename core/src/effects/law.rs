@@ -203,6 +203,11 @@ pub trait Effect: Sync {
         self.is_load()
     }
 
+    /// Whether its torque is the same at all times.
+    fn is_constant(&self) -> bool {
+        false
+    }
+
     /// Quantities by which practitioners know it.
     fn derived(&self, p: &[f64], joint: usize, robot: &Robot) -> Vec<Derived> {
         let _ = (p, joint, robot);

@@ -53,7 +53,9 @@ impl Rounding {
     pub fn width(self) -> f64 {
         match self {
             Rounding::Sharp => 0.0,
-            Rounding::Tanh(width) | Rounding::Ramp(width) | Rounding::Constraint(width) | Rounding::Root(width) => width,
+            Rounding::Tanh(width) | Rounding::Ramp(width) | Rounding::Constraint(width) | Rounding::Root(width) => {
+                width
+            }
         }
     }
 

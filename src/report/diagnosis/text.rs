@@ -10,7 +10,7 @@ use crate::internal::diagnosis::{NOT_SIZED, effort, finding, findings, joints, r
 use crate::quality::with_logs;
 use crate::report::console::{by_joint, significant, table};
 use crate::report::payload;
-use crate::robot::Robot;
+use crate::robot::{Robot, Unit};
 
 /// Effects not found, and parameters of an effect, that the lines mention.
 const MENTIONED: usize = 4;
@@ -136,6 +136,9 @@ fn headline(diagnosis: &Diagnosis) -> String {
         [format!("something changed that {none} explains"), format!("the model misses something that {none} explains")];
     let answer = match diagnosis.verdict {
         Verdict::Named if changed => "something changed, and the logs name it",
+        Verdict::Named | Verdict::OneOf if !changed && all_constant(diagnosis) => {
+            "constant torques explain what the model misses, as sensors and amplifiers have them"
+        }
         Verdict::Named => "the logs name what the model misses",
         Verdict::OneOf if changed => "something changed, and several effects explain it",
         Verdict::OneOf => "several effects explain what the model misses",
@@ -146,6 +149,16 @@ fn headline(diagnosis: &Diagnosis) -> String {
         Verdict::NotTestable => "the logs cannot be diagnosed",
     };
     format!("Verdict: {answer} (false alarms: at most {} of runs).", percent_of(diagnosis.scope.alpha))
+}
+
+/// Whether each finding is a constant torque, or may be one.
+fn all_constant(diagnosis: &Diagnosis) -> bool {
+    let is_constant = |family: Family| effects::find(family.effect).is_ok_and(|effect| effect.is_constant());
+    diagnosis.unexplained.is_empty()
+        && diagnosis.found.iter().all(|found| {
+            let others = found.alternatives.iter().map(|other| other.family);
+            others.chain([found.member.candidate.family()]).any(is_constant)
+        })
 }
 
 fn fault_lines(faults: &[DataFault]) -> Vec<String> {
@@ -175,8 +188,9 @@ fn missed(robot: &Robot, diagnosis: &Diagnosis, found: &Found) -> String {
     let [before, after] = &found.rms;
     let gained = |j: usize| (before[j].powi(2) - after[j].powi(2)) / diagnosis.errors.noise_floor[j].powi(2);
     let most = |joints: Vec<usize>| joints.into_iter().max_by(|&a, &b| gained(a).total_cmp(&gained(b)));
-    // What sits in a joint is reported of that joint, unless only others gain by it.
-    let own = most(found.member.placed.joints()).filter(|&joint| gained(joint) > 0.0);
+    // What sits in a joint is reported of that joint, unless only others gain by it; the weight of a body is felt most further in.
+    let own = Some(found.member.placed.joints()).filter(|_| !found.member.placed.effect.is_body());
+    let own = own.and_then(most).filter(|&joint| gained(joint) > 0.0);
     let joint = own.or_else(|| most(found.member.candidate.joints())).unwrap_or(0);
     let mut names = place(robot, found.member.candidate.family());
     for other in &found.alternatives {
@@ -292,28 +306,23 @@ fn values(finding: &Finding) -> String {
     each.collect::<Vec<String>>().join(", ")
 }
 
-/// What the error of the arm as described follows, for the joint on which it exceeds the noise most.
+/// What the residual follows where it is unexplained, for the joint on which it exceeds the noise most.
 fn where_it_lives(robot: &Robot, diagnosis: &Diagnosis) -> Option<String> {
-    let [described, left] = &diagnosis.errors.structure;
-    let of = if diagnosis.verdict == Verdict::Unexplained { left } else { described };
+    let [_, of] = &diagnosis.errors.structure;
     let excess = |j: usize| of[j].rms_nm / diagnosis.errors.noise_floor[j];
     let joint = (0..of.len()).max_by(|&a, &b| excess(a).total_cmp(&excess(b))).filter(|&j| excess(j) > 1.5)?;
     let (variable, share) = of[joint].follows.most();
     let worst = of[joint].worst?;
-    let who = match diagnosis.verdict {
-        Verdict::Unexplained => "the residual",
-        // What identification alone takes away is no missing effect.
-        Verdict::None => "the error of the arm as described, before identification,",
-        _ => "the error of the arm as described",
-    };
-    Some(format!(
-        "On {}, {who} follows {variable} most ({:.0} %) and is largest from {:.1} to {:.1} s of held-out log {}.",
-        robot.joints[joint].name,
-        100.0 * share,
-        worst.from_s,
-        worst.to_s,
-        worst.log + 1
-    ))
+    (diagnosis.verdict == Verdict::Unexplained).then(|| {
+        format!(
+            "On {}, the residual follows {variable} most ({:.0} %) and is largest from {:.1} to {:.1} s of held-out log {}.",
+            robot.joints[joint].name,
+            100.0 * share,
+            worst.from_s,
+            worst.to_s,
+            worst.log + 1
+        )
+    })
 }
 
 /// The table of held-out errors; those of fitted models are left out where the training logs do not determine the torque.
@@ -377,6 +386,8 @@ fn unseen(robot: &Robot, diagnosis: &Diagnosis) -> Option<String> {
     };
     let clear = diagnosis.not_found.iter().filter(|missed| is_clear(missed.family));
     let seen = clear.filter_map(|missed| Some((missed, missed.minimum_detectable?)));
+    // That an effect larger than any arm has one would have been found says nothing.
+    let seen = seen.filter(|(missed, size)| *size <= effects::find(missed.family.effect).map_or(0.0, largest_usual));
     let shown: Vec<String> = seen
         .filter(|(missed, _)| is_asked_about(missed.family.effect))
         .scan(Vec::new(), |shown: &mut Vec<&str>, (missed, size)| {
@@ -392,6 +403,16 @@ fn unseen(robot: &Robot, diagnosis: &Diagnosis) -> Option<String> {
     (!shown.is_empty()).then(|| {
         format!("An effect of this size would have been found: {} (diagnosis.json lists all).", shown.join("; "))
     })
+}
+
+/// Ten times the typical size of an effect, in its own unit; a torque may be of any arm.
+fn largest_usual(effect: &dyn effects::Effect) -> f64 {
+    match effect.parameters().first() {
+        Some(parameter) if effect.headline().is_empty() && parameter.unit != Unit::Effort => {
+            10.0 * parameter.typical.abs()
+        }
+        _ => f64::INFINITY,
+    }
 }
 
 /// A probability as a percentage.

@@ -1,9 +1,10 @@
 //! The whole way from logs to the answer, and from the answer back to the simulator.
 
-use super::diagnosis::{self, Diagnosis, Errors, LogSummary, OfSampling, Scope, next_experiment, withdraw};
+use super::diagnosis::{self, Diagnosis, Errors, LogSummary, OfSampling, Scope, withdraw};
 use super::extended::ExtendedModel;
 use super::inertias::{self, Free, Gain, all_inertias};
 use super::not_found::not_found;
+use super::notices::{Sizes, next_experiment};
 use super::outcome::{Conclusion, Measured};
 use super::quantities::{Evidence, Residuals, derived, residual_structure};
 use super::resimulation::{Replay, joints_of};
@@ -288,7 +289,7 @@ fn answer<'a>(
         &found,
         &unexplained,
         (session.model.base.robot(), session.model.trust, session.logs.train.rows.of_change()),
-        [&simulation_test_rms, &extended_test_rms],
+        Sizes { described: &simulation_test_rms, left: &extended_test_rms, noise: &noise_floor },
         &options.criteria.levels,
     );
     let errors = Errors {

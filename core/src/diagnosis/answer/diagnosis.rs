@@ -3,8 +3,8 @@
 use super::inertias::Gain;
 use super::not_found::NotFound;
 use super::quantities::{Derived, Evidence, ResidualStructure, Share};
-use crate::diagnosis::criteria::{Criteria, Gate, Judgement, Levels};
-use crate::diagnosis::lack_of_fit::{LOGS_DISAGREE, RejectedStructure, Unexplained};
+use crate::diagnosis::criteria::{Criteria, Gate, Judgement};
+use crate::diagnosis::lack_of_fit::{RejectedStructure, Unexplained};
 use crate::diagnosis::logs::LowPass;
 use crate::diagnosis::model::{Member, Session};
 use crate::diagnosis::regression::rms;
@@ -13,9 +13,7 @@ use crate::diagnosis::search::{Found, Rejected, Verdict};
 use crate::diagnosis::variance::ResidualMap;
 use crate::effects::{Nature, Rounding};
 use crate::error::Result;
-use crate::identification::effect_model::Trust;
 use crate::payload::Payload;
-use crate::robot::Robot;
 
 /// A delay or lag of the torque that is of the sampling.
 ///
@@ -317,74 +315,6 @@ pub(super) fn beyond_sampling(session: &Session, found: &Found, noise: &[f64]) -
     let size = rms(&test.valid, &added[0]).iter().zip(noise).map(|(added, noise)| added / noise).fold(0.0, f64::max);
     let is_felt = time_s > verdict.sampling_s && size >= levels.bound_std;
     Ok(Some(Judgement::above(Gate::Sampling, time_s / session.sample_s(), 1.0).or(is_felt)))
-}
-
-/// What to do next, where the question is what changed or what is; `described` is the root mean square that the arm as described leaves of the held-out logs, `left` that of the extended
-/// model, `[joint]`, N m.
-pub(super) fn next_experiment(
-    found: &[Found],
-    unexplained: &[Unexplained],
-    (robot, trust, of_change): (&Robot, Trust, bool),
-    [described, left]: [&[f64]; 2],
-    levels: &Levels,
-) -> String {
-    let tied = found.iter().find_map(|found| Some((found, found.alternatives.first()?)));
-    if let Some((found, other)) = tied {
-        let about = found.member.placed.effect.about();
-        let how = about.rivals.iter().find(|rival| rival.name == other.family.effect).map(|rival| rival.how_to_tell);
-        let how = how.unwrap_or("record motions of other speeds, ranges and loads");
-        let on = |effect: &str, joint: usize| match found.member.candidate.family().effect == other.family.effect {
-            true => format!("{effect} on {}", robot.joints[joint].name),
-            false => effect.to_owned(),
-        };
-        let [own, other] = [on(about.name, found.member.placed.joint), on(other.family.effect, other.family.joint)];
-        return format!("to separate {own} from {other}: {how}");
-    }
-    if unexplained.iter().any(|left| left.structure == LOGS_DISAGREE) {
-        return "the held-out logs disagree with the training logs: check that all are of one arm with one load, and give them as training \
-                logs, or the others as --reference, to ask what changed"
-            .into();
-    }
-    if let Some(left) = unexplained.first() {
-        let joint = &robot.joints[left.joint].name;
-        return format!(
-            "move {joint} alone over its whole range, slowly and fast, both ways: the residual {}",
-            left.structure
-        );
-    }
-    // What is asked is the change alone: how far off the description is, is no part of it.
-    let off = |joint: usize| if of_change { 1.0 } else { described[joint] / left[joint] };
-    let worst = (0..robot.dof()).max_by(|&a, &b| off(a).total_cmp(&off(b))).filter(|&joint| off(joint) > levels.far);
-    match (found.is_empty(), worst) {
-        (true, Some(joint)) if trust == Trust::Nominal => format!(
-            "the friction and the rotors of the description are off (the residual of {} is {:.1} times that with re-identified ones): \
-             extended.urdf holds these",
-            robot.joints[joint].name,
-            off(joint)
-        ),
-        (true, Some(joint)) if robot.placeholders().is_some() => format!(
-            "the inertias of the description are placeholders, which leaves {:.1} times as much on {} as re-identified inertias and friction do: \
-             extended.urdf holds these",
-            off(joint),
-            robot.joints[joint].name
-        ),
-        (true, Some(joint)) if robot.joints[joint].drive.is_frictionless() => format!(
-            "the description, which has no friction on {0}, leaves {1:.1} times as much there as re-identified inertias and friction do: \
-             extended.urdf holds these; --trust nominal shows whether its inertias are right or a load is missing",
-            robot.joints[joint].name,
-            off(joint)
-        ),
-        (true, Some(joint)) => format!(
-            "the description is off (the residual of {} is {:.1} times that with re-identified inertias and friction): extended.urdf holds \
-             these. A payload or one wrong link shows with --trust nominal, or with logs from before it as --reference",
-            robot.joints[joint].name,
-            off(joint)
-        ),
-        (true, None) => "a longer or livelier motion lowers the minimum detectable sizes".into(),
-        (false, _) => {
-            "record a new motion and repeat the diagnosis with --scenario extended.toml: no residual above the noise should remain".into()
-        }
-    }
 }
 
 #[cfg(test)]

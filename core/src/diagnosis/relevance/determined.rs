@@ -1,15 +1,17 @@
 //! Parameters that the logs do not determine are held, so that those that they do have finite standard deviations.
 //!
 //! Of a law with several parameters the logs may show that it acts, and not how its parameters share it: the coefficient and the exponent
-//! of a power of the speed, the moment and the geometry of a strut. Shapes are then held at their estimates, the least determined first,
+//! of a power of the speed, the moment and the geometry of a strut. Shapes are then held, the least determined first: at the value that is
+//! typical of the law where the logs do not exclude it, since amplitudes are given for it, else at their estimates;
 //! until an amplitude differs significantly from zero. An amplitude of a sign that cannot be is zero.
 
 use super::elimination::with_scatter;
 use crate::diagnosis::criteria::Levels;
-use crate::diagnosis::model::{Member, Session, is_level, linear, shapes};
+use crate::diagnosis::model::{Candidate, Member, Moved, Session, is_level, linear, shapes};
 use crate::diagnosis::noise::Whitener;
+use crate::diagnosis::regression::Column;
 use crate::diagnosis::search::{Found, members};
-use crate::effects::{Parameter, Role};
+use crate::effects::{Parameter, Role, Search};
 use crate::error::Result;
 
 /// Holds the parameters of the effects `found` that the training logs do not determine, by the scatter between their blocks; returns
@@ -33,10 +35,13 @@ pub(crate) fn hold_undetermined(session: &mut Session, found: &mut [Found], whit
             return Ok(some);
         }
         some = true;
-        for (found, index) in found.iter_mut().zip(held) {
-            if let Some(index) = index {
-                tracing::debug!(family = ?found.member.candidate.family(), index, "not determined");
-                found.member.fixed.push(index);
+        for (place, index) in held.into_iter().enumerate().filter_map(|(place, index)| Some((place, index?))) {
+            let typical = at_typical(session, &members(found), place, index, whitener)?;
+            let member = &mut found[place].member;
+            tracing::debug!(family = ?member.candidate.family(), index, moved = typical.is_some(), "not determined");
+            member.fixed.push(index);
+            if let Some(candidate) = typical {
+                member.candidate = candidate;
             }
         }
         let mut members = members(found);
@@ -44,6 +49,35 @@ pub(crate) fn hold_undetermined(session: &mut Session, found: &mut [Found], whit
         found.iter_mut().zip(members).for_each(|(found, member)| found.member = member);
         with_scatter(session, found, whitener)?;
     }
+}
+
+/// The candidate of the member at `place` with a shape at the value that is typical of its law, where the training logs do not exclude it;
+/// None of an amplitude and of a time.
+fn at_typical(
+    session: &Session,
+    members: &[Member],
+    place: usize,
+    index: usize,
+    whitener: &Whitener,
+) -> Result<Option<Candidate>> {
+    let train = &session.logs.train;
+    let candidate = &members[place].candidate;
+    let effect = candidate.placed.effect;
+    if !shapes(effect).contains(&index) || effect.search(index) == Search::Instant {
+        return Ok(None);
+    }
+    let mut placed = candidate.placed.clone();
+    placed.parameters[index] = effect.parameters()[index].typical;
+    let arm = &session.model.arm;
+    let Some(columns) = train.columns(arm, candidate.log, std::slice::from_ref(&placed), Moved::Tested)?.pop() else {
+        return Ok(None);
+    };
+    let others: Vec<Member> =
+        members.iter().enumerate().filter(|(k, _)| *k != place).map(|(_, member)| member.clone()).collect();
+    let fit = whitener.fit(&session.model.columns(train, &others)?, &train.torque);
+    let explained = |columns: &[Column]| fit.test(&whitener.apply_all(columns)).map_or(0.0, |test| test.statistic);
+    let lost = explained(&candidate.columns) - explained(&columns);
+    Ok((lost <= session.criteria.at_bound()).then_some(Candidate { placed, log: candidate.log, columns }))
 }
 
 /// The amplitude of a sign that cannot be with these values of all parameters, the surest first. One amplitude must stay, and what a change
@@ -101,7 +135,6 @@ fn undetermined(member: &Member, levels: &Levels) -> Option<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::diagnosis::model::Candidate;
     use crate::effects::{Placed, find};
 
     fn member(effect: &str, values: &[f64], std: &[f64]) -> Member {

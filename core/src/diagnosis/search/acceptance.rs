@@ -230,7 +230,7 @@ impl Trial<'_> {
         let bound = gains.lower_bound(levels);
         let refused = |failed, asked| Ok(Outcome::Refused(Refusal { may_be: gains.share() > 0.0, asked, failed }));
         let undetermined = self.session.undetermined_by_one_more(self.members, &held_out.solved);
-        let earlier = Judgement::at_most(Gate::EarlierParameters, undetermined as f64, 0.0);
+        let earlier = Judgement::at_most(Gate::EarlierParameters, undetermined.len() as f64, 0.0);
         if !earlier.passed {
             return refused(earlier, false);
         }

@@ -8,6 +8,7 @@ mod all_logs;
 mod comparison;
 mod eligible;
 mod events;
+mod exchange;
 mod found;
 mod pairs;
 mod parsimony;

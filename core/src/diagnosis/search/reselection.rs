@@ -4,10 +4,12 @@
 use super::acceptance::{Outcome, Refusal, Trial, is_confirmable};
 use super::comparison::{Chosen, Comparison, InOwnNoise, compare};
 use super::eligible::{Contenders, Standing};
+use super::exchange::{Exchange, exchanged};
 use super::found::{Alternative, Found, Rejected, explained_by_play, members};
 use super::parsimony::chosen;
 use super::round::Round;
 use crate::diagnosis::Options;
+use crate::diagnosis::criteria::Gate;
 use crate::diagnosis::evidence::{Multiplicity, Scan};
 use crate::diagnosis::model::{Candidate, Family, Fit, Member, MemberBlock, Session};
 use crate::diagnosis::regression::Column;
@@ -101,18 +103,19 @@ impl<'a> Restricted<'a> {
 }
 
 /// Whether a finding can be selected again: not one that impacts show, nor an event.
-fn can_be_asked(found: &Found) -> bool {
+pub(super) fn can_be_asked(found: &Found) -> bool {
     !found.member.held && found.member.candidate.log.is_none()
 }
 
 /// Repeats the model comparison for every finding with all others in the model, among the candidates `everywhere`; returns
-/// whether a name has changed. What would replace a finding and fails a gate is added to `rejected`.
+/// whether a name has changed. What would replace a finding and fails a gate is added to `rejected`; what fails it since it makes others
+/// unidentifiable may replace these too.
 ///
 /// # Errors
 /// If a log is too short to differentiate.
 pub(super) fn reselect(
     session: &Session,
-    found: &mut [Found],
+    found: &mut Vec<Found>,
     everywhere: &[Candidate],
     multiplicity: &Multiplicity,
     options: &Options,
@@ -124,9 +127,12 @@ pub(super) fn reselect(
     if found.len() < 2 {
         return Ok(changed);
     }
-    for index in (0..found.len()).filter(|&index| can_be_asked(&found[index])).collect::<Vec<_>>() {
-        if watch.is_over() {
-            break;
+    let mut next = 0;
+    while next < found.len() && !watch.is_over() {
+        let index = next;
+        next += 1;
+        if !can_be_asked(&found[index]) {
+            continue;
         }
         watch.tell(Progress::Found(found.len()));
         let Some(Again { others, noise: Fit { whitener, projection: fit }, comparison }) =
@@ -136,11 +142,11 @@ pub(super) fn reselect(
         };
         let of_others = members(&others);
         let Chosen { winner, alternatives, whitener: under } = chosen(session, &of_others, &comparison)?;
-        let known = &mut found[index];
-        let (old, new) = (known.member.candidate.family(), winner.candidate.family());
+        let (old, new) = (found[index].member.candidate.family(), winner.candidate.family());
         tracing::debug!(?old, ?new, ?alternatives, "comparison with all others in the model");
         if old == new {
-            known.set_alternatives(explained_by_play(session, &others, &known.member, alternatives));
+            let alternatives = explained_by_play(session, &others, &found[index].member, alternatives);
+            found[index].set_alternatives(alternatives);
             continue;
         }
         let (whitener, fit, members) = (&whitener, &fit, &of_others[..]);
@@ -149,14 +155,24 @@ pub(super) fn reselect(
         match trial.of(&winner, level, under)? {
             Outcome::Accepted(accepted) => {
                 let alternatives = explained_by_play(session, &others, &accepted.member, alternatives);
-                *known = Found::new(*accepted, alternatives);
+                found[index] = Found::new(*accepted, alternatives);
                 changed = true;
             }
             Outcome::Refused(Refusal { may_be, failed, .. }) => {
+                if failed.gate == Gate::EarlierParameters
+                    && let Some(Exchange { by, places }) =
+                        exchanged(session, found, index, &winner, multiplicity, alpha)?
+                {
+                    next -= places.iter().filter(|&&place| place < next).count();
+                    places.into_iter().rev().for_each(|place| drop(found.remove(place)));
+                    found.insert(next, by);
+                    (next, changed) = (next + 1, true);
+                    continue;
+                }
                 rejected.push(Rejected { slot: winner.candidate.slot(), failed });
                 // It explains the residual better than the finding does, and is not significant enough to replace it.
                 if may_be {
-                    known.may_also_be(new);
+                    found[index].may_also_be(new);
                 }
             }
         }

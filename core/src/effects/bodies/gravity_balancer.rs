@@ -15,9 +15,9 @@
 //! balancer from gravity.
 //!
 //! The bounds are those of any strut: one that pulls does so at its shortest too (M >= 0), and more the longer it is
-//! (K >= 0); from end to end it no more than triples its length, (1 + g)/(1 - g) <= 9. Without them a motion over a small
-//! range is fitted best by struts that hardly have a length and jerk through it, and does not hold in other poses. A strut
-//! that pushes from half a turn away is nearly one that pulls.
+//! (K >= 0); from end to end it no more than triples its length, (1 + g)/(1 - g) <= 9, and its points of attachment are no further than
+//! ten to one from the axis, g >= 0.2. Without them a motion over a small range is fitted best by struts that hardly have a length and
+//! jerk through it, or whose pull is tens of times the torque that they make, and does not hold in other poses. A strut that pushes from half a turn away is nearly one that pulls.
 
 use crate::effects::{About, Effect, Hidden, Instant, Nature, Parameter, Rival, Role, Scope, Site};
 use crate::robot::{Robot, Unit};
@@ -94,13 +94,13 @@ static PARAMETERS: [Parameter; 4] = [
         upper: f64::INFINITY,
         typical: 600.0,
     },
-    // At 0.8 the strut triples its length, at 1 it would shrink to nothing.
+    // At 0.2 the radii are as ten to one; at 0.8 the strut triples its length, at 1 it would shrink to nothing.
     Parameter {
         name: "geometry",
         symbol: "g",
         unit: Unit::One,
         role: Role::Shape,
-        lower: 0.05,
+        lower: 0.2,
         upper: 0.8,
         typical: 0.7,
     },

@@ -61,6 +61,10 @@ impl Effect for TorqueOffset {
         &PARAMETERS
     }
 
+    fn is_constant(&self) -> bool {
+        true
+    }
+
     /// A constant torque is friction of one size in both directions, and an asymmetry that is not there.
     fn indistinguishable_from(&self) -> Option<&'static str> {
         Some("friction_asymmetry")

@@ -254,10 +254,12 @@ impl<'a> Session<'a> {
         turned.is_some()
     }
 
-    /// How many amplitudes of `earlier` members the training rows determine in the fit `without` one more, and not in that `with` it.
-    pub(crate) fn undetermined_by_one_more(&self, earlier: &[Member], [without, with]: &[Solved; 2]) -> usize {
-        let places = self.blocks(earlier).members.into_iter().flat_map(|block| block.amplitudes);
-        places.filter(|&place| without.std(place).is_finite() && with.std(place).is_infinite()).count()
+    /// For each amplitude that the training rows determine in the fit `without` one more member, and not in that `with` it: which of the
+    /// `earlier` members it belongs to.
+    pub(crate) fn undetermined_by_one_more(&self, earlier: &[Member], [without, with]: &[Solved; 2]) -> Vec<usize> {
+        let undone = |&place: &usize| without.std(place).is_finite() && with.std(place).is_infinite();
+        let blocks = self.blocks(earlier).members.into_iter().enumerate();
+        blocks.flat_map(|(member, block)| block.amplitudes.filter(undone).map(move |_| member)).collect()
     }
 
     /// Residual of the held-out rows when the model is fitted to the training rows.

@@ -1,0 +1,78 @@
+//! One law in the place of several findings. A flexible law that is taken first, a wrong body further out, may leave a second law to
+//! explain what it cannot; the law that explains all of it then makes the parameters of that second law unidentifiable.
+
+use super::acceptance::{Outcome, Trial};
+use super::found::{Found, members};
+use super::reselection::can_be_asked;
+use crate::diagnosis::evidence::{Gains, Judged, Multiplicity};
+use crate::diagnosis::model::{Fit, Member, Session};
+use crate::error::Result;
+
+/// A law, and the findings that it replaces.
+#[derive(Debug)]
+pub(super) struct Exchange {
+    /// The law as a finding.
+    pub by: Found,
+    /// Places of the findings that it replaces, in ascending order.
+    pub places: Vec<usize>,
+}
+
+/// The winner of a model comparison in the place of the finding at `index` and of all others whose parameters it makes unidentifiable,
+/// where it passes all gates without them and held-out logs do not contradict it. A constant torque, which one of them may have explained
+/// too, does not count.
+///
+/// # Errors
+/// If a log is too short to differentiate.
+pub(super) fn exchanged(
+    session: &Session,
+    found: &[Found],
+    index: usize,
+    winner: &Judged,
+    multiplicity: &Multiplicity,
+    alpha: f64,
+) -> Result<Option<Exchange>> {
+    let (train, test) = (&session.logs.train, &session.logs.test);
+    let others: Vec<usize> = (0..found.len()).filter(|&place| place != index).collect();
+    let of_others: Vec<Member> = others.iter().map(|&place| found[place].member.clone()).collect();
+    let with: Vec<Member> = of_others.iter().cloned().chain([winner.member()]).collect();
+    let whitener = session.noise_under(&session.model.columns(train, &with)?);
+    let solved = [session.solved(&of_others, &whitener)?, session.solved(&with, &whitener)?];
+    let undone = session.undetermined_by_one_more(&of_others, &solved);
+    let mut places: Vec<usize> = undone.into_iter().map(|k| others[k]).chain([index]).collect();
+    places.sort_unstable();
+    places.dedup();
+    if places.len() < 2 || !places.iter().all(|&place| can_be_asked(&found[place])) {
+        return Ok(None);
+    }
+
+    let stay = found.iter().enumerate().filter(|(place, _)| !places.contains(place));
+    let stay: Vec<Member> = stay.map(|(_, found)| found.member.clone()).collect();
+    let Fit { whitener, projection: fit } = session.fit_under(&session.model.columns(train, &stay)?);
+    let Some(judged) = session.judge(&winner.candidate, &whitener, &fit) else { return Ok(None) };
+    let level = multiplicity.level(judged.candidate.family().effect, judged.test.log_p());
+    let trial = Trial { session, members: &stay, whitener: &whitener, fit: &fit, multiplicity, alpha, tries: None };
+    let accepted = match trial.of(&judged, level, None)? {
+        Outcome::Accepted(accepted) => accepted,
+        Outcome::Refused(refusal) => {
+            tracing::debug!(winner = ?judged.candidate.slot(), failed = ?refusal.failed, "no exchange");
+            return Ok(None);
+        }
+    };
+
+    let before = members(found);
+    let after: Vec<Member> = stay.iter().cloned().chain([accepted.member.clone()]).collect();
+    let whitener = session.noise_under(&session.model.columns(train, &before)?);
+    let mut joints: Vec<usize> = places
+        .iter()
+        .flat_map(|&place| found[place].member.candidate.joints())
+        .chain(judged.candidate.joints())
+        .collect();
+    joints.sort_unstable();
+    joints.dedup();
+    let residual = |members: &[Member]| session.held_out_residual(members, &whitener);
+    let (before, after) = (residual(&before)?, residual(&after)?);
+    let gains = Gains::adjusted_for_constants(&whitener.on(&test.rows), &before, &after, &joints, &test.rows);
+    tracing::debug!(winner = ?judged.candidate.slot(), ?places, share = gains.share(), "one law in place of several");
+    Ok((!gains.is_contradicted(&session.criteria.levels))
+        .then(|| Exchange { by: Found::new(*accepted, Vec::new()), places }))
+}

@@ -69,6 +69,18 @@ impl Arm {
         dry.map(|(place, b)| (place, dry_column(model, b, rows, rounding))).collect()
     }
 
+    /// The same of those that act on a joint.
+    pub(crate) fn dry_columns_on(
+        &self,
+        joint: usize,
+        model: &Model,
+        rows: &Rows,
+        rounding: &[Rounding],
+    ) -> Vec<Column> {
+        let own = self.base(model).filter(|&b| is_dry(model, b) && model.active(joint).contains(&b));
+        own.map(|b| dry_column(model, b, rows, rounding)).collect()
+    }
+
     /// Torque that is known before anything is fitted: that of the bodies where their inertias are taken from the URDF.
     pub(crate) fn described_torque(&self, rows: &Rows) -> Column {
         match self.trust() {

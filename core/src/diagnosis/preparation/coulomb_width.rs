@@ -4,31 +4,16 @@
 //! One law that is wrong on one joint must not be taken for it: what the joints that gain most by it gain does not count, unless they gain
 //! more by it than by any friction law of speed in the library.
 
+use super::coulomb_forms::{Forms, Tried};
 use crate::diagnosis::criteria::Levels;
 use crate::diagnosis::logs::Log;
 use crate::diagnosis::model::{Member, Session};
 use crate::diagnosis::noise::Whitener;
-use crate::diagnosis::regression::Projection;
 use crate::effects::{Nature, Rounding};
 use crate::error::Result;
-use rayon::prelude::*;
 
-/// Widths that are tried, rad/s or m/s, of a fast joint; those of a slow one, which some sliding joints are, are less by the share of
-/// its speed. Narrower ones end within the rows that are left out.
-const WIDTHS: [f64; 8] = [0.01, 0.015, 0.02, 0.03, 0.04, 0.05, 0.07, 0.1];
-
-/// No share is less: so slow a joint creeps.
+/// No share of a slow joint's speed in that of a fast one is less: so slow a joint creeps.
 const LEAST_SHARE: f64 = 1e-3;
-
-/// The same of a ramp, which ends at its width. A solver makes it wider than most speeds of a link whose inertia is small for its
-/// friction, ..
-const RAMPS: [f64; 8] = [0.03, 0.05, 0.08, 0.14, 0.25, 0.45, 0.8, 1.5];
-/// .. and of a root, whose tails reach far where it is narrow.
-const ROOTS: [f64; 5] = [0.004, 0.007, 0.012, 0.02, 0.04];
-
-/// Factors on the best of them, and on the best of those.
-const FINER: [f64; 4] = [0.8, 0.9, 1.12, 1.25];
-const FINEST: [f64; 2] = [0.95, 1.05];
 
 /// What the rounding of the joints is taken for.
 #[derive(Debug)]
@@ -47,9 +32,6 @@ impl Likeliest {
         Likeliest { gains: tried.iter().zip(&taken).map(open).collect(), rounding: taken }
     }
 }
-
-/// Rounding of the joints and by how much more likely, in its logarithm, the torque of each is than with a plain sign.
-type Tried = Vec<(Rounding, f64)>;
 
 impl Session<'_> {
     /// Decides on the rounding again with `members` in the model, and returns whether it is another: what misses a load may look like
@@ -88,57 +70,25 @@ pub(super) fn likeliest(session: &Session, members: &[Member]) -> Result<Likelie
     sharp.into_iter().for_each(|(at, column)| present[at] = column);
     let whitener = Whitener::new(&train.rows, &train.torque, &present);
     let plain = whitener.fit(&present, &train.torque);
-    let left = |fit: &Projection| -> Vec<f64> {
-        let of_joint = |joint| fit.residual.part(joint).unwrap_or_default().iter().map(|r| r * r).sum();
-        (0..model.dof()).map(of_joint).collect()
-    };
-    let plain_left = left(&plain);
     // A rounding changes the columns of Coulomb friction alone: all others are fitted once.
     let others = present.iter().enumerate().filter(|(at, _)| !dry.contains(at));
     let others = whitener.fit(&others.map(|(_, column)| column.clone()).collect::<Vec<_>>(), &train.torque);
-    let gains = |rounding: Vec<Rounding>| -> Tried {
-        let dry = dry_columns(&rounding).into_iter().map(|(_, column)| column);
-        let with = left(&others.with(&whitener.apply_all(&dry.collect::<Vec<_>>())));
-        let gains = plain_left.iter().zip(with).map(|(plain, with)| 0.5 * (plain - with));
-        rounding.into_iter().zip(gains).collect()
-    };
-    let tried = |all: Vec<Vec<Rounding>>| all.into_par_iter().map(gains).collect::<Vec<Tried>>();
     let shares = shares(&session.logs.train.rows.logs, model.dof());
-    let of_all = |unit: Rounding, width: f64| shares.iter().map(|share| unit.scaled(share * width)).collect();
-    let scaled = |best: &Tried, factor: f64| best.iter().map(|(own, _)| own.scaled(factor)).collect();
-    // Forms are compared at the best width of each.
-    let finer = |mut best: Tried| -> Tried {
-        let finer = tried(FINER.iter().map(|&factor| scaled(&best, factor)).collect());
-        better(&mut best, finer, 0.0);
-        best
-    };
-    let of_form = |unit: Rounding, widths: &[f64]| -> Tried {
-        let mut best: Tried = vec![(Rounding::Sharp, 0.0); model.dof()];
-        better(&mut best, tried(widths.iter().map(|&width| of_all(unit, width)).collect()), 0.0);
-        finer(best)
-    };
     // Another form, and a rounding in the place of a law of the library, must be likelier: though a rounding has fewer parameters than any
     // law.
     let Levels { log_odds: odds, misfit, few, .. } = session.criteria.levels;
     let clearly = session.criteria.criterion_gap();
-    let mut best = of_form(Rounding::Tanh(1.0), &WIDTHS);
-    let ramps = of_form(Rounding::Ramp(1.0), &RAMPS);
-    // The same widths some milliseconds ahead.
-    let constraints = gains(ramps.iter().map(|(ramp, _)| Rounding::Constraint(ramp.width())).collect());
-    let constraints = finer(constraints);
-    for of_form in [ramps, constraints, of_form(Rounding::Root(1.0), &ROOTS)] {
-        better(&mut best, vec![of_form], odds);
-    }
-    let finest = tried(FINEST.iter().map(|&factor| scaled(&best, factor)).collect());
-    better(&mut best, finest, 0.0);
+    let forms = Forms { arm, model, rows: &train.rows, whitener: &whitener, others: &others, shares: &shares, odds };
+    let best = forms.likeliest();
+    let roundings = |tried: &Tried| tried.iter().map(|(own, _)| *own).collect::<Vec<Rounding>>();
     let by_laws = session.best_gains(Nature::OfSpeed, &whitener, &plain)?;
     tracing::debug!(?best, ?by_laws, "rounding of the sign of friction");
     let surely = surely(&best, &by_laws, odds);
     let gained = best.iter().zip(&surely).map(|((_, gain), surely)| if *surely { *gain } else { 0.0 }).collect();
     if of_most(gained, few) < clearly {
         // One joint alone must be explained by its width: what is much beyond the noise may look like anything.
-        let rows = whitener.rows();
-        let of_noise = |joint: usize| (plain_left[joint] - 2.0 * best[joint].1) / (rows[joint] as f64) < misfit;
+        let (left, rows) = (forms.left(&roundings(&best)), whitener.rows());
+        let of_noise = |joint: usize| left[joint] / (rows[joint] as f64) < misfit;
         let alone = |joint: &usize| surely[*joint] && best[*joint].1 > clearly && of_noise(*joint);
         let joints = 0..model.dof();
         let taken = joints.map(|joint| if alone(&joint) { best[joint].0 } else { Rounding::Sharp }).collect();
@@ -147,8 +97,9 @@ pub(super) fn likeliest(session: &Session, members: &[Member]) -> Result<Likelie
     // The others have the form of most and its median width, if their torque does not contradict it.
     let of_fast = best.iter().zip(&shares).zip(&surely).filter(|(_, surely)| **surely);
     let of_fast: Vec<Rounding> = of_fast.map(|(((own, _), share), _)| own.scaled(1.0 / share)).collect();
-    let as_most = gains(shares.iter().map(|share| of_most_joints(&of_fast).scaled(*share)).collect());
-    let as_most = as_most.into_iter().map(|(own, gain)| if gain > 0.0 { own } else { Rounding::Sharp });
+    let of_most = shares.iter().map(|share| of_most_joints(&of_fast).scaled(*share)).collect();
+    let as_most = forms.each(&roundings(&best), of_most).into_iter();
+    let as_most = as_most.map(|(own, gain)| if gain > 0.0 { own } else { Rounding::Sharp });
     let all = best.iter().zip(surely).zip(as_most);
     let taken =
         all.map(|(((own, gain), surely), as_most)| if surely && *gain > odds { *own } else { as_most }).collect();
@@ -170,21 +121,10 @@ fn shares(logs: &[Log], joints: usize) -> Vec<f64> {
     (0..joints).map(of_joint).collect()
 }
 
-/// Whether each joint gains more by its width than by any law. One that does best with a plain sign gains by the widths of other joints
-/// alone, whose parameters it shares.
+/// Whether each joint gains more by its width than by any law.
 fn surely(best: &Tried, by_laws: &[f64], odds: f64) -> Vec<bool> {
     let is_sure = |((own, gain), by_law): (&(Rounding, f64), &f64)| own.width() > 0.0 && *gain > odds + by_law;
     best.iter().zip(by_laws).map(is_sure).collect()
-}
-
-/// Takes the rounding of each joint that gains most, if that is by so much more than the one it has.
-fn better(best: &mut Tried, tried: Vec<Tried>, by: f64) {
-    for (joint, best) in best.iter_mut().enumerate() {
-        let most = tried.iter().map(|each| each[joint]).max_by(|a, b| a.1.total_cmp(&b.1));
-        if let Some(most) = most.filter(|most| most.1 > best.1 + by) {
-            *best = most;
-        }
-    }
 }
 
 /// The sum without the `few` largest, where more than twice as many are left.
@@ -228,19 +168,6 @@ mod tests {
         let found = shares(&[log([2.0, 0.29, 0.012, 0.0]), log([0.1, 0.1, 0.003, 0.0])], 4);
         let wanted = [1.0, 0.29 / 0.3, 0.012 / 0.3, LEAST_SHARE];
         assert!(found.iter().zip(wanted).all(|(own, wanted)| (own / wanted - 1.0).abs() < 0.02), "{found:?}");
-    }
-
-    #[test]
-    fn every_joint_takes_the_width_that_serves_it_best() {
-        let mut best = vec![(Rounding::Sharp, 0.0); 3];
-        let all = |own: Rounding, gains: [f64; 3]| gains.map(|gain| (own, gain)).to_vec();
-        let (narrow, wide) = (Rounding::Tanh(0.01), Rounding::Tanh(0.02));
-        better(&mut best, vec![all(narrow, [3.0, -1.0, 2.0]), all(wide, [1.0, -4.0, 5.0])], 0.0);
-        assert_eq!(best, [(narrow, 3.0), (Rounding::Sharp, 0.0), (wide, 5.0)]);
-        // Another form must gain clearly more.
-        let ramp = Rounding::Ramp(0.05);
-        better(&mut best, vec![all(ramp, [6.1, 2.9, 7.9])], 3.0);
-        assert_eq!(best, [(ramp, 6.1), (Rounding::Sharp, 0.0), (wide, 5.0)]);
     }
 
     #[test]

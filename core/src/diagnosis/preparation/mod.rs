@@ -5,6 +5,7 @@
 //! velocity of each joint is the likeliest. Where reference logs follow the same motion, differences of torque at equal states replace
 //! torque. The entry point is [`Session::knowing`](crate::diagnosis::model::Session::knowing).
 
+mod coulomb_forms;
 mod coulomb_width;
 mod differences;
 mod feedback;

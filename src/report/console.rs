@@ -139,7 +139,7 @@ pub(crate) fn scores(
         })
         .collect();
     let per_variant = table(&header, rows);
-    let described: Vec<Option<Described>> = scored.iter().map(|one| one.described).collect();
+    let described: Vec<Option<Described>> = scored.iter().map(|one| one.described.clone()).collect();
     let smoothings =
         smoothings(&described, setup.scenario.identification.smoothing_window.is_none(), missing).join("\n");
     format!(

@@ -51,7 +51,7 @@ impl<'a> Compared<'a> {
 
     /// How the signals were smoothed, a line for each way.
     pub(super) fn smoothings(&self) -> Vec<String> {
-        smoothings(&self.all().map(|one| one.smoothing).collect::<Vec<_>>(), true, self.missing)
+        smoothings(&self.all().map(|one| one.smoothing.clone()).collect::<Vec<_>>(), true, self.missing)
     }
 
     /// Torque errors of the ways.
@@ -68,7 +68,7 @@ impl<'a> Compared<'a> {
 pub(crate) fn result<'a>(robot: &'a Robot, compared: Compared<'a>, notes: &'a [String]) -> Scores<'a> {
     let variants = compared.all().map(|one| Variant {
         signals: one.variant.name(),
-        smoothing: one.smoothing,
+        smoothing: one.smoothing.clone(),
         condition_number: one.fitted.fit.estimate.condition_number,
         torque_std_training_nm: &one.torque_std_training_nm,
         torque_std_held_out_nm: &one.torque_std_held_out_nm,

@@ -208,7 +208,7 @@ pub(crate) fn scores(
             .iter()
             .map(|result| VariantScore {
                 signals: result.variant.name(),
-                smoothing: result.described,
+                smoothing: result.described.clone(),
                 score: result.score.clone(),
                 parameters: names.clone(),
                 residual_rms_nm: result.residual_rms.clone(),

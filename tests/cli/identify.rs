@@ -8,8 +8,8 @@ const LIFT: &str = r#"<robot name="lift"><link name="base"/><joint name="lift" t
 <child link="l1"/><axis xyz="0 0 1"/><limit lower="-3" upper="3" effort="999" velocity="9"/></joint><link name="l1">
 <inertial><mass value="10"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial></link></robot>"#;
 
-/// What `identify` prints of the slide with this rotor and this Coulomb friction, and with noise of its force, and on standard error.
-fn identified(rotor: f64, coulomb: f64) -> [String; 2] {
+/// A folder with the slide and a log of it with this rotor and this Coulomb friction, and with noise of its force.
+fn logged(rotor: f64, coulomb: f64) -> Case {
     let case = Case::new(&[]);
     case.write("lift.urdf", LIFT);
     let mut log = "t,q1,qd1,tau1\n".to_owned();
@@ -25,6 +25,12 @@ fn identified(rotor: f64, coulomb: f64) -> [String; 2] {
         writeln!(log, "{t:.4},{q:.9},{v:.9},{force:.9}").unwrap();
     }
     case.write("log.csv", &log);
+    case
+}
+
+/// What `identify` prints of that, and on standard error.
+fn identified(rotor: f64, coulomb: f64) -> [String; 2] {
+    let case = logged(rotor, coulomb);
     let output = case.tauscope(&["identify", "--robot", "lift.urdf", "--train", "log.csv", "--out", "out"]);
     assert_done(&output);
     let json: serde_json::Value = serde_json::from_str(&case.read("out/identification.json")).unwrap();
@@ -53,4 +59,17 @@ fn negative_drives_are_named_with_their_causes() {
     }
     let [said, _] = identified(-4.0, 3.0);
     assert!(said.contains(" kg)") && said.contains("a mass that the file lacks"), "{said}");
+}
+
+#[test]
+fn block_means_take_a_cut_off_for_each_joint() {
+    let case = logged(2.0, 3.0);
+    let with = |cutoffs: &str| {
+        let logs = ["identify", "--robot", "lift.urdf", "--train", "log.csv", "--out", "out"];
+        case.tauscope(&[&logs[..], &["--block-means-hz", cutoffs]].concat())
+    };
+    assert_done(&with("20"));
+    let refused = with("20,25");
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(text(&refused.stderr).contains("are 2 for 1 joints"), "{}", text(&refused.stderr));
 }

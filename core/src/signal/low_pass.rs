@@ -94,9 +94,12 @@ impl ZeroPhaseLowPass {
             return refuse(format!("the sample rate is {rate_hz} Hz; give a positive number"));
         }
         if !(cutoff_hz > 0.0 && cutoff_hz < 0.5 * rate_hz) {
+            // The mean of many steps is a rate with an error of rounding.
+            let rounded = |hz: f64| (1e6 * hz).round() / 1e6;
             return refuse(format!(
-                "the cut-off is {cutoff_hz} Hz; at a sample rate of {rate_hz} Hz it must be above 0 and below {} Hz",
-                0.5 * rate_hz
+                "the cut-off is {cutoff_hz} Hz; at a sample rate of {} Hz it must be above 0 and below {} Hz",
+                rounded(rate_hz),
+                rounded(0.5 * rate_hz)
             ));
         }
         let warped_cutoff = (PI * cutoff_hz / rate_hz).tan();

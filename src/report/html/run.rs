@@ -145,7 +145,7 @@ fn scores(setup: &Setup, found: Found, best: &Scored, joints: &[Joint]) -> Secti
             format!("{:.2}", one.estimate.condition_number),
         ]
     });
-    let described: Vec<Option<Described>> = found.scored.iter().map(|one| one.described).collect();
+    let described: Vec<Option<Described>> = found.scored.iter().map(|one| one.described.clone()).collect();
     let by_noise = setup.scenario.identification.smoothing_window.is_none();
     Section::new(
         "How good the model is",

@@ -118,7 +118,8 @@ fn agree([real, described]: [&Robot; 2], trust: Trust) {
         let joint = if about.scope == Scope::Arm { 0 } else { 1 };
         let mut placed = Placed::typical(*effect, joint);
         if about.nature == Nature::Level {
-            placed.parameters[0] = 0.5 * without[joint].iter().fold(0.0, |most: f64, torque| most.max(torque.abs()));
+            let away_from_ends = &without[joint][ENDS..without[joint].len() - ENDS];
+            placed.parameters[0] = 0.5 * away_from_ends.iter().fold(0.0, |most: f64, torque| most.max(torque.abs()));
         }
         let added = &arm.added(std::slice::from_ref(&placed), &rows).unwrap()[0];
         let with = predicted([real, described], trust, &log, vec![placed]);

@@ -26,9 +26,6 @@ const ROOTS: [f64; 5] = [0.004, 0.007, 0.012, 0.02, 0.04];
 const FINER: f64 = 1.2;
 const ROOTS_OF_FINER: usize = 5;
 
-/// Times that all joints are decided with those of the time before in the model.
-const SWEEPS: usize = 2;
-
 /// Rounding of the joints and by how much more likely, in its logarithm, the torque is than with a plain sign there.
 pub(super) type Tried = Vec<(Rounding, f64)>;
 
@@ -38,7 +35,7 @@ pub(super) struct Forms<'a> {
     /// The arm and its base parameters.
     pub arm: &'a Arm,
     pub model: &'a Model,
-    /// The rows, and their noise under a plain sign.
+    /// The rows, and their noise.
     pub rows: &'a Rows,
     pub whitener: &'a Whitener,
     /// The fit of all but Coulomb friction.
@@ -50,14 +47,9 @@ pub(super) struct Forms<'a> {
 }
 
 impl Forms<'_> {
-    /// The likeliest rounding of each joint.
-    pub(super) fn likeliest(&self) -> Tried {
-        let mut best: Tried = vec![(Rounding::Sharp, 0.0); self.model.dof()];
-        for _ in 0..SWEEPS {
-            let others: Vec<Rounding> = best.iter().map(|(own, _)| *own).collect();
-            best = self.compared(&others, |joint, gain| self.likeliest_of(joint, gain));
-        }
-        best
+    /// The likeliest rounding of each joint, with those of the others as `given`.
+    pub(super) fn likeliest(&self, given: &[Rounding]) -> Tried {
+        self.compared(given, |joint, gain| self.likeliest_of(joint, gain))
     }
 
     /// Gain of each joint by its rounding of `these`, with the others as `given`.

@@ -9,8 +9,12 @@ use crate::diagnosis::criteria::Levels;
 use crate::diagnosis::logs::Log;
 use crate::diagnosis::model::{Member, Session};
 use crate::diagnosis::noise::Whitener;
+use crate::diagnosis::regression::Column;
 use crate::effects::{Nature, Rounding};
 use crate::error::Result;
+
+/// Times that the joints are decided: with a plain sign on the others and in the noise under it, then with the best of the time before.
+const SWEEPS: usize = 2;
 
 /// No share of a slow joint's speed in that of a fast one is less: so slow a joint creeps.
 const LEAST_SHARE: f64 = 1e-3;
@@ -44,7 +48,9 @@ impl Session<'_> {
             return Ok(false);
         }
         let pooled = self.logs.apart.then(|| self.over_all_logs());
-        let Likeliest { rounding, gains } = likeliest(pooled.as_ref().unwrap_or(self), members)?;
+        let others: Vec<Member> =
+            members.iter().filter(|member| member.placed.effect.about().nature != Nature::OfSpeed).cloned().collect();
+        let Likeliest { rounding, gains } = likeliest(pooled.as_ref().unwrap_or(self), &others)?;
         self.take_rounding_gains(gains);
         if rounding == self.model.arm.coulomb_rounding {
             return Ok(false);
@@ -65,30 +71,45 @@ pub(super) fn likeliest(session: &Session, members: &[Member]) -> Result<Likelie
     let arm = &session.model.arm;
     let dry_columns = |rounding: &[Rounding]| arm.dry_columns(model, &train.rows, rounding);
     let mut present = session.model.columns(train, members)?;
-    let sharp = dry_columns(&vec![Rounding::Sharp; model.dof()]);
-    let dry: Vec<usize> = sharp.iter().map(|(at, _)| *at).collect();
-    sharp.into_iter().for_each(|(at, column)| present[at] = column);
-    let whitener = Whitener::new(&train.rows, &train.torque, &present);
-    let plain = whitener.fit(&present, &train.torque);
+    let sharp = vec![Rounding::Sharp; model.dof()];
+    let places: Vec<usize> = dry_columns(&sharp).into_iter().map(|(at, _)| at).collect();
+    let mut rounded = |rounding: &[Rounding]| -> Vec<Column> {
+        dry_columns(rounding).into_iter().for_each(|(at, column)| present[at] = column);
+        present.clone()
+    };
     // A rounding changes the columns of Coulomb friction alone: all others are fitted once.
-    let others = present.iter().enumerate().filter(|(at, _)| !dry.contains(at));
-    let others = whitener.fit(&others.map(|(_, column)| column.clone()).collect::<Vec<_>>(), &train.torque);
+    let others = |whitener: &Whitener, present: &[Column]| {
+        let others = present.iter().enumerate().filter(|(at, _)| !places.contains(at));
+        whitener.fit(&others.map(|(_, column)| column.clone()).collect::<Vec<_>>(), &train.torque)
+    };
     let shares = shares(&session.logs.train.rows.logs, model.dof());
     // Another form, and a rounding in the place of a law of the library, must be likelier: though a rounding has fewer parameters than any
     // law.
     let Levels { log_odds: odds, misfit, few, .. } = session.criteria.levels;
     let clearly = session.criteria.criterion_gap();
-    let forms = Forms { arm, model, rows: &train.rows, whitener: &whitener, others: &others, shares: &shares, odds };
-    let best = forms.likeliest();
+    let rows = &train.rows;
     let roundings = |tried: &Tried| tried.iter().map(|(own, _)| *own).collect::<Vec<Rounding>>();
+    // The noise under a plain sign holds what the plain sign misses: forms are compared in the noise under the first that come out best.
+    let mut given = sharp.clone();
+    for _ in 1..SWEEPS {
+        let whitener = Whitener::new(rows, &train.torque, &rounded(&given));
+        let others = others(&whitener, &rounded(&given));
+        let forms = Forms { arm, model, rows, whitener: &whitener, others: &others, shares: &shares, odds };
+        given = roundings(&forms.likeliest(&given));
+    }
+    let whitener = Whitener::new(rows, &train.torque, &rounded(&given));
+    let present = rounded(&sharp);
+    let (plain, others) = (whitener.fit(&present, &train.torque), others(&whitener, &present));
+    let forms = Forms { arm, model, rows, whitener: &whitener, others: &others, shares: &shares, odds };
+    let best = forms.likeliest(&given);
     let by_laws = session.best_gains(Nature::OfSpeed, &whitener, &plain)?;
     tracing::debug!(?best, ?by_laws, "rounding of the sign of friction");
     let surely = surely(&best, &by_laws, odds);
     let gained = best.iter().zip(&surely).map(|((_, gain), surely)| if *surely { *gain } else { 0.0 }).collect();
     if of_most(gained, few) < clearly {
         // One joint alone must be explained by its width: what is much beyond the noise may look like anything.
-        let (left, rows) = (forms.left(&roundings(&best)), whitener.rows());
-        let of_noise = |joint: usize| left[joint] / (rows[joint] as f64) < misfit;
+        let (left, count) = (forms.left(&roundings(&best)), whitener.rows());
+        let of_noise = |joint: usize| left[joint] / (count[joint] as f64) < misfit;
         let alone = |joint: &usize| surely[*joint] && best[*joint].1 > clearly && of_noise(*joint);
         let joints = 0..model.dof();
         let taken = joints.map(|joint| if alone(&joint) { best[joint].0 } else { Rounding::Sharp }).collect();

@@ -131,7 +131,8 @@ impl Assembly<'_> {
     }
 
     /// The body that carries the flange, and its pose there: the link asked for, or the one behind the most fixed joints on the
-    /// body with the most moving joints before it.
+    /// body with the most moving joints before it. Of several a frame without mass, as files give the flange and the tool centre point,
+    /// comes before a finger.
     pub(super) fn flange(&self, choice: &Choice, made: &[(Joint, Option<usize>)]) -> Result<(usize, Pose)> {
         if let Some(tip) = &choice.tip
             && let (Some(body), pose) = self.carrier(self.file.link(tip)?)
@@ -146,11 +147,12 @@ impl Assembly<'_> {
             depth
         };
         let tip = (0..made.len()).rev().max_by_key(|&body| depth(body)).unwrap_or(0);
-        let mut deepest = (0, Pose::identity());
+        let mut deepest = ((0, false), Pose::identity());
         let mut open = vec![(self.file.joints[self.bodies[tip]].child, Pose::identity(), 0)];
         while let Some((link, place, depth)) = open.pop() {
-            if depth > deepest.0 {
-                deepest = (depth, place);
+            let is_frame = self.file.links[link].inertia.mass() == 0.0;
+            if depth > 0 && (depth, is_frame) > deepest.0 {
+                deepest = ((depth, is_frame), place);
             }
             for joint in self.file.joints_on(link).map(|joint| &self.file.joints[joint]) {
                 if joint.motion == Motion::Fixed {

@@ -60,6 +60,33 @@ mod tests {
     use std::path::Path;
 
     #[test]
+    fn a_tool_centre_point_comes_before_fingers() {
+        let link = |name: &str, mass: f64| {
+            format!(
+                r#"<link name="{name}"><inertial><mass value="{mass}"/>
+                <inertia ixx="0.01" iyy="0.01" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial></link>"#
+            )
+        };
+        let fixed = |child: &str, z: f64| {
+            format!(
+                r#"<joint name="to_{child}" type="fixed"><parent link="hand"/><child link="{child}"/>
+                <origin xyz="0 0 {z}"/></joint>"#
+            )
+        };
+        let fingers = [link("left", 0.1), link("right", 0.1), fixed("left", 0.05), fixed("right", 0.06)].concat();
+        let text = format!(
+            r#"<robot name="arm"><link name="base"/>{}<joint name="swing" type="continuous"><parent link="base"/>
+            <child link="hand"/><axis xyz="0 1 0"/></joint>{fingers}{}<link name="tcp"/></robot>"#,
+            link("hand", 1.0),
+            fixed("tcp", 0.1)
+        );
+        assert_eq!(Robot::from_urdf_str(&text).unwrap().flange.translation.z, 0.1);
+        // Without such a frame it is at the last finger.
+        let bare = text.replace(&fixed("tcp", 0.1), "").replace(r#"<link name="tcp"/>"#, "");
+        assert_eq!(Robot::from_urdf_str(&bare).unwrap().flange.translation.z, 0.06);
+    }
+
+    #[test]
     fn a_flange_moves_to_another_link_and_back() {
         let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../urdf/irb1600_6_120.urdf");
         let file = description::read(Path::new(path)).unwrap();

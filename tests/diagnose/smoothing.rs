@@ -57,7 +57,7 @@ fn torque_that_was_filtered_shows_no_band_above_its_low_pass() {
 
 #[test]
 fn a_coarse_encoder_is_smoothed_more_than_the_others() {
-    let [fine, coarse] = [0.0, COARSE].map(|step| opened(|log| with_steps(step, log)).logs.cutoffs_hz);
+    let [fine, coarse] = [0.0, COARSE].map(|step| opened(|log| with_steps(step, log)).logs.cutoffs_hz.clone());
     assert!(coarse[0] < fine[0], "{coarse:?} {fine:?}");
     let others = coarse[1..].iter().copied().fold(0.0, f64::max);
     assert!(coarse[0] < others, "{coarse:?}");

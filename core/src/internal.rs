@@ -36,6 +36,10 @@ pub mod lane {
     pub use crate::lane::dispatch::Kernel;
 }
 
+pub mod quality {
+    pub use crate::quality::torque::excitation;
+}
+
 pub mod random {
     pub use crate::random::fnv1a;
 }

@@ -1,6 +1,7 @@
 //! The result of `tauscope inspect`.
 
 use super::console::{significant, table};
+use crate::internal::quality::excitation;
 use crate::quality::descriptions::{Alternative, Change, Verdict, is_description, words};
 use crate::quality::{Finding, JointSummary, Kind, Report, Severity, with_logs};
 use crate::recording::lenient::Rejected;
@@ -211,7 +212,12 @@ fn text(path: &Path, robot: Option<&Robot>, report: &Report, own: &[&Finding]) -
         report.rejected.len(),
     );
     if let (Some(robot), Some(condition)) = (robot, report.condition_number) {
-        text += &format!("\n{}: condition number of the base parameters {}", robot.name, significant(condition));
+        text += &format!(
+            "\n{}: {} (condition number of the base parameters {}: 1 is best)",
+            robot.name,
+            excitation(condition),
+            significant(condition)
+        );
     }
     if !report.joints.is_empty() {
         let percent = |share: Option<f64>| share.map_or("-".to_owned(), |s| format!("{:.0} %", 100.0 * s));

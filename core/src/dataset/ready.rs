@@ -91,7 +91,7 @@ pub fn ready([train, test]: [Vec<(PathBuf, Sieved)>; 2], robot: &Robot) -> Resul
         findings
             .extend(noted.map(|finding| (path.display().to_string(), format!("{}: {}", finding.place, finding.text))));
         unsigned.iter().for_each(|&joint| sieved.recording.tau.channel_mut(joint).fill(f64::NAN));
-        quality::leave_out_unmeasured(&mut sieved.recording);
+        quality::leave_out_unmeasured(&mut sieved.recording)?;
         let mut pieces = resample::pieces(sieved.recording);
         if pieces.is_empty() {
             return Err(Error::input(path, None, "t", "the clock is so full of gaps that no piece of the log is left"));

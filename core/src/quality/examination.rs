@@ -86,6 +86,10 @@ pub fn examine_together(logs: &[&Sieved], robot: Option<&Robot>) -> Result<Toget
                 })
             };
             reports[log].findings.retain(|finding| finding.kind != Kind::OutsideLimits || !explained(finding));
+            // Nor is a time by which torques seem to come late, worked out with the torques of others or another motion.
+            if !own.description.changes.iter().all(|change| change.keeps_each_torque()) {
+                reports[log].findings.retain(|finding| finding.kind != Kind::DeadTime);
+            }
             reports[log].findings.extend(descriptions::findings(&own, &view.log.joints));
             reports[log].description = Some(own);
             reports[log].findings.sort_by_key(|finding| std::cmp::Reverse(finding.severity));

@@ -14,7 +14,7 @@ mod rates;
 mod reading;
 mod report;
 mod statistics;
-mod torque;
+pub(crate) mod torque;
 mod unit_changes;
 mod units;
 mod velocity;

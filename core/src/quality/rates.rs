@@ -28,6 +28,14 @@ const WITHIN: f64 = 1.05;
 /// Those of the filters.
 pub(super) fn found(log: &Recording, positions: &PositionUnits, robot: Option<&Robot>) -> Result<UnitChanges> {
     let mut units = of_motion(log, units_of_positions(log, positions, robot)?, robot)?;
+    // To positions in an unknown unit no velocity is in a proportion that shows its own.
+    units
+        .velocities
+        .iter_mut()
+        .enumerate()
+        .filter(|(j, _)| positions.is_unknown(*j))
+        .for_each(|(_, unit)| *unit = None);
+    units = units.or_none();
     if let Some(robot) = robot.filter(|_| units.is_none() && !positions.any())
         && descriptions::are_turns(log, robot)?
     {

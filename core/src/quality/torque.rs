@@ -33,6 +33,18 @@ const BUILDS_UP: [f64; 3] = [0.002, 0.01, 0.05];
 /// A condition number above this makes base parameters uncertain.
 const POOR: f64 = 2000.0;
 
+/// Up to this one all base parameters are known about as well as the noise allows (Gautier and Khalil, 1992).
+const GOOD: f64 = 100.0;
+
+/// What a condition number of the base parameters means.
+pub fn excitation(condition: f64) -> &'static str {
+    match condition {
+        good if good <= GOOD => "the motion separates all parameters well",
+        fair if fair <= POOR => "the motion separates some parameters poorly",
+        _ => "the motion does not separate all parameters",
+    }
+}
+
 /// Share of the longest column of the base parameters up to which one is rounding: nothing in the motion depends on its parameter.
 const ROUNDING: f64 = 1e-9;
 
@@ -52,7 +64,8 @@ pub(super) fn examined(view: &View, summaries: &mut [JointSummary], robot: Optio
     let reach = ((REACH_S / view.period) as usize).clamp(2, 60);
     let Some(last) = view.log.samples().checked_sub(2 * reach + 1) else { return Torques::default() };
     let step = last.div_ceil(ROWS).max(1);
-    let rows: Vec<usize> = (reach..reach + last).step_by(step).collect();
+    let frozen = channels::frozen_rows(view);
+    let rows: Vec<usize> = (reach..reach + last).step_by(step).filter(|&row| !frozen[row]).collect();
     let motion = picked(view, &rows);
     let model = robot.map(Model::new);
     let columns = match &model {
@@ -160,4 +173,17 @@ fn condition_number(model: &Model, columns: &[Channels], rows: usize) -> f64 {
     unit.column_iter_mut().zip(&moved).for_each(|(mut column, &from)| column.unscale_mut(norms[from]));
     let singular = unit.singular_values();
     singular.max() / singular.min().max(f64::EPSILON * singular.max())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{GOOD, POOR, excitation};
+
+    #[test]
+    fn a_condition_number_is_said_in_words() {
+        let said = [1.0, GOOD, GOOD + 1.0, POOR, POOR + 1.0, f64::INFINITY].map(excitation);
+        assert!(said[0].contains("well") && said[1] == said[0]);
+        assert!(said[2].contains("poorly") && said[3] == said[2]);
+        assert!(said[4].contains("does not separate") && said[5] == said[4]);
+    }
 }

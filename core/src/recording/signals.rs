@@ -219,6 +219,25 @@ impl Recording {
         }
     }
 
+    /// The samples that are not `left_out`. Simulated truth, which belongs to all of them, is dropped.
+    pub(crate) fn without_rows(&self, left_out: &[bool]) -> Self {
+        let kept = |signal: &[f64]| -> Vec<f64> {
+            signal.iter().zip(left_out).filter(|(_, left_out)| !**left_out).map(|(value, _)| *value).collect()
+        };
+        let table = |channels: &Channels| channels.map(|_, signal| kept(signal));
+        Recording {
+            robot: self.robot.clone(),
+            joints: self.joints.clone(),
+            time: kept(&self.time),
+            q: table(&self.q),
+            qd: self.qd.as_ref().map(table),
+            qdd: self.qdd.as_ref().map(table),
+            tau: table(&self.tau),
+            truth: None,
+            provenance: self.provenance.clone(),
+        }
+    }
+
     /// The samples whose time, s, lies in `range`: `time_slice(0.0..10.0)` is the first ten seconds without the sample
     /// at 10 s. Times stay as they are. No sample may be left.
     pub fn time_slice(&self, range: impl RangeBounds<f64>) -> Self {

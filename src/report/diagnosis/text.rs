@@ -1,5 +1,6 @@
 //! The answer in a few lines.
 
+use super::gravity;
 use crate::diagnosis::{
     Consequence, DataFault, Diagnosis, EXTENDED_SCENARIO, Family, Finding, Found, LOGS_DISAGREE, Levels, Minor,
     NamedParameter, Part, Play, ResidualMap, Resimulation, Share, Verdict,
@@ -61,6 +62,9 @@ pub(crate) fn lines(
         };
         let open = if finding.size_told { String::new() } else { format!(" Note: {NOT_SIZED}.") };
         lines.push(format!("  {verb} {change} ({EXTENDED_SCENARIO} has it). {}{open}", finding.explanation));
+        let values: Vec<f64> = finding.parameters.iter().map(|parameter| parameter.value).collect();
+        let turned = gravity::direction(robot, finding.effect, &values).filter(|_| !diagnosis.scope.against_reference);
+        lines.extend(turned.map(|text| format!("  {text}")));
         lines.extend(of_guessed(robot, found.member.candidate.family()));
     }
     lines.extend(diagnosis.load.iter().flat_map(payload::weighed));

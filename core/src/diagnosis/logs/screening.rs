@@ -24,13 +24,13 @@ const AROUND_CLIPPED_S: f64 = 0.04;
 /// # let robot = robot::load("../tests/reference/pendulum.urdf", InertiaCheck::Ignored)?;
 /// # let mut read = dataset::read("../tests/reference/pendulum/train.csv".as_ref(), &robot)?;
 ///
-/// // A gap is left out or bridged. A position that is frozen for six seconds stops a diagnosis.
+/// // A gap is left out or bridged. A position that stands out from both neighbours stops a diagnosis.
 /// let mut gap = read.clone();
 /// gap.recording.time[300..].iter_mut().for_each(|time| *time += 0.5);
 /// let faults = screen("monday.csv", gap, &robot)?.faults;
 /// assert!(faults.iter().all(|fault| fault.consequence != Consequence::Stops));
 ///
-/// read.recording.q.channel_mut(0)[300..600].fill(0.2);
+/// read.recording.q.channel_mut(0)[300] += 2.0;
 /// let faults = screen("monday.csv", read, &robot)?.faults;
 /// assert!(faults.iter().any(|fault| fault.consequence == Consequence::Stops));
 /// # Ok::<(), tauscope::error::Error>(())
@@ -170,7 +170,7 @@ fn ready(name: String, sieved: Sieved, report: quality::Report) -> Result<Screen
         })
         .collect();
     let mut sieved = sieved;
-    quality::leave_out_unmeasured(&mut sieved.recording);
+    quality::leave_out_unmeasured(&mut sieved.recording)?;
     let levels: Vec<Vec<f64>> = sieved.recording.tau.iter().map(clipping_levels).collect();
     let mut pieces = resample::pieces(sieved.recording);
     if pieces.is_empty() {
@@ -297,12 +297,12 @@ fn consequence(kind: Kind, severity: Severity) -> Option<Consequence> {
         | Kind::GravityCompensated
         | Kind::UnsignedTorque
         | Kind::TwoSources
-        | Kind::Frozen
         | Kind::Wrapped
         | Kind::Spike
         | Kind::TooShort
         | Kind::NoMotion => Some(Consequence::Stops),
         Kind::CutOff
+        | Kind::Frozen
         | Kind::TorqueSpike
         | Kind::NoTorque
         | Kind::Clipped

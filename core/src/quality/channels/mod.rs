@@ -3,13 +3,15 @@
 use super::finding::{Finding, Kind, Severity};
 use super::view::View;
 use crate::channels::Channels;
+use crate::error::Result;
 use crate::recording::Recording;
-use crate::signal::{changes, noise_floor, size_quantile};
+use crate::signal::{changes, size_quantile};
 use std::f64::consts::{PI, TAU};
 use std::ops::Range;
 
 mod clipped;
 mod digits;
+mod frozen;
 mod jumps;
 mod motor_off;
 
@@ -17,24 +19,9 @@ use clipped::clipped;
 pub use clipped::clipping;
 use digits::coarse;
 pub(super) use digits::{extremes, resolution, runs};
+pub(super) use frozen::{rows as frozen_rows, with_frozen_position};
 pub(super) use jumps::Jumps;
-use motor_off::{FROZEN_S, PATH, motor_off, off, path};
-
-/// Number of runs of equal samples in a log that chance brings, up to which a torque that has one is frozen there.
-const BY_CHANCE: f64 = 1e-3;
-
-/// Speed up to the last sample before that which no joint loses within a sample, rad/s or m/s.
-const STOPS_DEAD: f64 = 0.2;
-
-/// Samples within which the torque of a motor that is switched off has gone.
-const FALLS_IN: usize = 3;
-
-/// A joint whose logged speed is below this share of its usual speed may stick: velocities have a last digit and an offset of
-/// their own, which add up to a path where nothing moves.
-const STICKS: f64 = 0.1;
-
-/// Standard deviations of a velocity's noise above which it is one.
-const SURELY: f64 = 3.0;
+use motor_off::{motor_off, off};
 
 /// No joint is faster, rad/s: a sample that is left and reached faster is a spike.
 const FASTEST: f64 = 50.0;
@@ -49,16 +36,36 @@ const FEW: f64 = 0.02;
 const RINGS: usize = 3;
 const STRUCK: f64 = 5.0;
 
-/// Torque of a recording that is no measurement becomes not a number: that of motors that are switched off, and spikes.
-pub(crate) fn leave_out_unmeasured(recording: &mut Recording) {
-    let rate = recording.rate_hz();
-    let spikes: Vec<Vec<usize>> = (0..recording.joints()).map(|joint| torque_spikes(&recording.tau, joint)).collect();
-    let Recording { q, tau, .. } = recording;
-    for (joint, spikes) in spikes.iter().enumerate() {
-        let off = motor_off(q.channel(joint), tau.channel(joint), rate);
-        off.into_iter().for_each(|samples| tau.channel_mut(joint)[samples].fill(f64::NAN));
-        spikes.iter().for_each(|&at| tau.channel_mut(joint)[at] = f64::NAN);
+/// Fewer rows of a log are not worth keeping.
+const LEAST_ROWS: usize = 50;
+
+/// Leaves out what is no measurement: rows in which a position is frozen, and torques that are frozen, of motors that are switched off,
+/// and spikes, which become not a number.
+///
+/// # Errors
+/// Those of the filters: the log is too short.
+pub(crate) fn leave_out_unmeasured(recording: &mut Recording) -> Result<()> {
+    let mut known = recording.clone();
+    let without: Vec<usize> = (0..known.joints()).filter(|&joint| !known.has_torque(joint)).collect();
+    without.into_iter().for_each(|joint| known.tau.channel_mut(joint).fill(0.0));
+    let (view, rate) = (View::new(&known, None)?, recording.rate_hz());
+    let parts = |joint: usize| {
+        let (q, tau) = (known.q.channel(joint), known.tau.channel(joint));
+        let frozen = frozen::torques(&view, joint).filter(|_| !coarse(tau) && held(&view, joint, tau).is_none());
+        let spikes = torque_spikes(&recording.tau, joint).into_iter().map(|at| at..at + 1);
+        let frozen = frozen.map(|(start, length)| start..start + length);
+        motor_off(q, tau, rate).into_iter().chain(frozen).chain(spikes).collect::<Vec<Range<usize>>>()
+    };
+    let parts: Vec<Vec<Range<usize>>> = (0..recording.joints()).map(parts).collect();
+    let frozen = frozen_rows(&view);
+    for (joint, parts) in parts.into_iter().enumerate() {
+        parts.into_iter().for_each(|samples| recording.tau.channel_mut(joint)[samples].fill(f64::NAN));
     }
+    let left = frozen.iter().filter(|frozen| !**frozen).count();
+    if (LEAST_ROWS..recording.samples()).contains(&left) {
+        *recording = recording.without_rows(&frozen);
+    }
+    Ok(())
 }
 
 /// Findings about the channels of every joint; `logged` is the log as it was, with joints that have no torque, and with the
@@ -69,7 +76,7 @@ pub(super) fn findings(view: &View, logged: &Recording) -> Vec<Finding> {
         let (q, tau, own) = (view.log.q.channel(joint), view.log.tau.channel(joint), logged.tau.channel(joint));
         out.extend(wrapped(view, joint, q));
         out.extend(spike(view, joint, q));
-        out.extend(frozen_position(view, joint, q));
+        out.extend(frozen::position(view, joint));
         if !logged.has_torque(joint) {
             let text = "there is no torque of this joint in the log: its motion is used, its equation is not";
             out.push(Finding::new(Kind::NoTorque, Severity::Warning, view.place("tau", joint), text));
@@ -83,7 +90,7 @@ pub(super) fn findings(view: &View, logged: &Recording) -> Vec<Finding> {
         out.extend(torque_spike(view, joint, logged));
         if !coarse(own) {
             out.extend(clipped(view, joint, tau));
-            out.extend(held(view, joint, tau).or_else(|| frozen_torque(view, joint, tau)));
+            out.extend(held(view, joint, tau).or_else(|| frozen::torque(view, joint)));
         }
         out.extend(off(view, joint, tau));
     }
@@ -213,87 +220,23 @@ fn lasting_step(signal: &[f64]) -> f64 {
     signal.windows(6).map(|part| (median(&part[3..]) - median(&part[..3])).abs()).fold(0.0, f64::max)
 }
 
-/// Joints whose position is frozen for a while, as found.
-pub(super) fn with_frozen_position(view: &View, found: &[Finding]) -> Vec<usize> {
-    let of = |joint: &usize| {
-        let place = view.place("q", *joint);
-        found.iter().any(|finding| finding.kind == Kind::Frozen && finding.place.starts_with(&place))
-    };
-    (0..view.dof()).filter(of).collect()
-}
-
 /// Samples of a joint at which its torque or its position is no measurement. They are reported; what they do to comparisons of torque with
 /// motion is no fault of its own.
 pub(super) fn spoilt(view: &View, joint: usize) -> Vec<Range<usize>> {
+    let frozen = frozen::positions(view, joint).map(|(start, length)| start..start + length);
+    frozen.chain(spoilt_torques(view, joint)).collect()
+}
+
+/// Samples of a joint at which its torque is no measurement.
+pub(super) fn spoilt_torques(view: &View, joint: usize) -> Vec<Range<usize>> {
     let (q, tau) = (view.log.q.channel(joint), view.log.tau.channel(joint));
-    let mut parts: Vec<(usize, usize)> = frozen_positions(view, joint, q).collect();
+    let mut parts: Vec<(usize, usize)> = Vec::new();
     if !coarse(tau) {
         let clipped = clipping(tau).into_iter().flat_map(|(level, ..)| clipped::runs_at(tau, level));
-        parts.extend(clipped.chain(frozen_torques(view, joint, tau)));
+        parts.extend(clipped.chain(frozen::torques(view, joint)));
     }
     let frozen = parts.into_iter().map(|(start, length)| start..start + length);
     motor_off(q, tau, 1.0 / view.period).into_iter().chain(frozen).collect()
-}
-
-/// Parts in which a position stands and then makes up for it in one step: start and length.
-fn frozen_positions<'a>(view: &'a View, joint: usize, q: &'a [f64]) -> impl Iterator<Item = (usize, usize)> + 'a {
-    let shortest = ((0.02 / view.period) as usize).max(5);
-    let typical = size_quantile(changes(q), 0.99);
-    let velocity = view.log.qd.as_ref().filter(|_| view.log.has_velocity(joint)).map(|qd| qd.channel(joint));
-    let fastest = velocity.map_or(0.0, |qd| size_quantile(qd.iter().copied(), 0.95));
-    let tau = view.log.tau.channel(joint);
-    runs(q).filter(move |(_, length)| *length >= shortest).filter(move |&(start, length)| {
-        let end = start + length;
-        let makes_up = end < q.len() && (q[end] - q[end - 1]).abs() > (4.0 * typical).max(1e-3);
-        let runs_on = velocity.is_some_and(|qd| {
-            // The first samples of a joint that stops may still have the speed of before.
-            let speed = size_quantile(qd[start..end].iter().copied(), 0.5);
-            let moves = speed > STICKS * fastest && speed * length as f64 * view.period > PATH;
-            // A joint that waits for its turn has the noise of its velocity alone.
-            moves && speed > SURELY * noise_floor(qd)
-        });
-        // A joint that is moving does not stand from one sample to the next; one that comes to rest slows down first.
-        let speed = |step: usize| (q[start] - q[start.saturating_sub(step)]).abs() / (step as f64 * view.period);
-        // A motor that is switched off lets its brake fall in.
-        let off = tau.iter().any(|v| *v != 0.0) && tau[(start + FALLS_IN).min(end)..end].iter().all(|v| *v == 0.0);
-        let stops_dead =
-            end == q.len() && !off && length as f64 * view.period > FROZEN_S && speed(2).min(speed(4)) > STOPS_DEAD;
-        makes_up || runs_on || stops_dead
-    })
-}
-
-fn frozen_position(view: &View, joint: usize, q: &[f64]) -> Option<Finding> {
-    let (start, length) = frozen_positions(view, joint, q).next()?;
-    let seconds = length as f64 * view.period;
-    let text = format!("the position is frozen for {seconds:.3} s while the joint moves on; cut this part out");
-    let place = format!("{} from {:.4} s", view.place("q", joint), view.log.time[start]);
-    Some(Finding::new(Kind::Frozen, Severity::Warning, place, text))
-}
-
-/// Parts in which a torque stands while its joint moves: start and length.
-fn frozen_torques<'a>(view: &'a View, joint: usize, tau: &'a [f64]) -> impl Iterator<Item = (usize, usize)> + 'a {
-    let shortest = ((FROZEN_S / view.period) as usize).max(10);
-    let (low, high) = extremes(tau);
-    let repeated: usize = runs(tau).filter(|(_, length)| *length < shortest).map(|(_, length)| length - 1).sum();
-    let repeats = repeated as f64 / tau.len().max(1) as f64;
-    runs(tau).filter(move |&(start, length)| {
-        let moved = || path(&view.q.channel(joint)[start..start + length]) > PATH;
-        let long = length >= shortest && !is_by_chance(length, repeats, tau.len());
-        long && ![low, high, 0.0].contains(&tau[start]) && moved()
-    })
-}
-
-/// Whether a torque of few digits, a share of whose samples `repeats` the one before, has a run of so many samples by chance.
-fn is_by_chance(length: usize, repeats: f64, samples: usize) -> bool {
-    samples as f64 * repeats.powf((length - 1) as f64) > BY_CHANCE
-}
-
-fn frozen_torque(view: &View, joint: usize, tau: &[f64]) -> Option<Finding> {
-    let (start, length) = frozen_torques(view, joint, tau).next()?;
-    let seconds = length as f64 * view.period;
-    let text = format!("the torque is frozen for {seconds:.3} s while the joint moves; cut this part out");
-    let place = format!("{} from {:.4} s", view.place("tau", joint), view.log.time[start]);
-    Some(Finding::new(Kind::Frozen, Severity::Warning, place, text))
 }
 
 /// A torque that changes less often than the log has rows.
@@ -323,14 +266,6 @@ mod tests {
     use super::*;
     use crate::random;
     use rand::RngExt;
-
-    #[test]
-    fn torques_of_few_digits_repeat_themselves() {
-        // Of 4000 samples half of which repeat the one before, 3.9 runs of 11 are by chance, and 9e-4 of 23; of noise with all its digits,
-        // none.
-        assert!(is_by_chance(11, 0.5, 4000) && is_by_chance(22, 0.5, 4000) && !is_by_chance(23, 0.5, 4000));
-        assert!(!is_by_chance(11, 0.0, 4000));
-    }
 
     /// Torques with friction's jumps and white noise of 1 N m; the first with spikes of a size, the second with a share of them.
     #[test]

@@ -70,6 +70,12 @@ impl Change {
             Change::JointScale(..) => 12,
         }
     }
+
+    /// Whether every torque stays that of its joint along the same motion, but for its sign and size.
+    pub(crate) fn keeps_each_torque(self) -> bool {
+        use Change::{AllTorqueSigns, JointScale, TorqueScale, TorqueSign};
+        matches!(self, TorqueSign(_) | AllTorqueSigns | TorqueScale(_) | JointScale(..))
+    }
 }
 
 /// How logged channels become signals of the arm: the identity, or that after some changes.
@@ -237,9 +243,10 @@ impl Description {
         self.changes.iter().all(|change| matches!(change, Change::JointScale(..)))
     }
 
-    /// Whether nothing but factors of single torques and the sign of all is changed.
-    pub(crate) fn has_only_scales_and_signs(&self) -> bool {
-        self.changes.iter().all(|change| matches!(change, Change::JointScale(..) | Change::AllTorqueSigns))
+    /// Number of changes that are neither factors of single torques nor the sign of all.
+    pub(crate) fn other_than_scales_and_signs(&self) -> usize {
+        let is_other = |change: &&Change| !matches!(change, Change::JointScale(..) | Change::AllTorqueSigns);
+        self.changes.iter().filter(is_other).count()
     }
 
     /// The description without factors of torques.

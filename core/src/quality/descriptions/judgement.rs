@@ -144,9 +144,9 @@ fn changed(views: &[&View], robot: Option<&Robot>, tilt: &mut Option<Vector3<f64
         return Some(untraced_verdict(&before, after, Vec::new()));
     }
     let found = outcome.found.as_ref().map(|found| &found.best);
-    let scaled = bodies.as_ref().and_then(|bodies| {
-        Scales { robot, free: &free, bodies, rows: &rows, with_motion: &with_motion }.judge(&outcome.start, found)
-    });
+    let of_bodies = |bodies| Scales { robot, free: &free, bodies, rows: &rows, with_motion: &with_motion };
+    let scales = bodies.as_ref().map(of_bodies);
+    let scaled = scales.as_ref().and_then(|scales| scales.judge(&outcome.start, found));
     // With a factor free bodies looked for nothing else; and what they take up, those described may show.
     let with_more = |first: Verdict| {
         let (Some(bodies), true) = (bodies.as_ref(), first.alternatives.is_empty() && !first.unlike_bodies) else {
@@ -161,9 +161,12 @@ fn changed(views: &[&View], robot: Option<&Robot>, tilt: &mut Option<Vector3<f64
             let is_sure = !of_described || are_of_bodies((robot, bodies, &free), &rows, &start, &found.best);
             is_sure.then(|| judged(known, Some(bodies), outcome))?
         });
-        match more {
-            Some(more) => together(first, more),
-            None => first,
+        let Some(more) = more else { return first };
+        let found = together(first, more);
+        // What hid a factor is known now.
+        match scales.as_ref().and_then(|scales| scales.again(&start, &found.description)) {
+            Some(scales) => rescaled(found, scales),
+            None => found,
         }
     };
     if let Some(OtherScales { before, after, factors, alternatives }) = scaled {
@@ -180,7 +183,9 @@ fn changed(views: &[&View], robot: Option<&Robot>, tilt: &mut Option<Vector3<f64
         *tilt = tilt.or(outcome.tilt);
         let trusted = |found: &Found| are_of_bodies((robot, bodies, &free), &rows, &start, &found.best);
         if outcome.found.as_ref().is_some_and(trusted) {
-            return judged(known, Some(bodies), outcome);
+            let first = judged(known, Some(bodies), outcome);
+            let has_factors = |verdict: &Verdict| verdict.description.scaled().next().is_some();
+            return first.map(|first| if has_factors(&first) { with_more(first) } else { first });
         }
         if let Some(found) = opposite_zeros(bodies, &free, &rows, &outcome.start).filter(trusted) {
             return judged(known, Some(bodies), Outcome { found: Some(found), ..outcome });
@@ -250,6 +255,19 @@ fn together(first: Verdict, more: Verdict) -> Verdict {
         without_bodies: first.without_bodies,
         beyond_doubt: first.beyond_doubt && more.beyond_doubt,
         ..more
+    }
+}
+
+/// The verdict on changes whose factors are others.
+fn rescaled(found: Verdict, scales: OtherScales) -> Verdict {
+    let [before, _] = found.each;
+    Verdict {
+        after: scales.after.share(),
+        each: [before, scales.after.evaluation.unexplained],
+        description: scales.after.description,
+        factors: scales.factors,
+        alternatives: Vec::new(),
+        ..found
     }
 }
 

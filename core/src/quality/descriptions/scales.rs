@@ -5,12 +5,12 @@
 //! scale is judged again under what free bodies found, and under what bodies show whose torques every joint has in a unit of its own.
 
 use super::bodies::compensation;
-use super::change::{Change, Description};
+use super::change::{Change, Description, along_axes};
 use super::compare::{EXPLAINED, compare};
 use super::fitting::{Physics, Rows};
 use super::known::Known;
 use super::search::search;
-use super::shares::ALIKE;
+use super::shares::{ALIKE, WRONG_MASSES};
 use super::sizes::factors::{self, OwnFactors};
 use super::sizes::scale::{self, Scaled};
 use super::sizes::unequal;
@@ -62,7 +62,7 @@ impl Scales<'_> {
         let first = only_factors.then(|| self.of_all(&signed.unwrap_or(start).description)).flatten();
         let first = first.or_else(|| self.of_each(start, found.unwrap_or(start)));
         if first.is_none() && !is_denied {
-            return None;
+            return self.mounted_otherwise(start, found.unwrap_or(start));
         }
         let besides = found.filter(|best| is_denied && best.description.scaled().next().is_none());
         let besides = besides.map(|best| (best.description.clone(), Vec::new()));
@@ -74,12 +74,46 @@ impl Scales<'_> {
         let best = others.min_by(|a, b| a.described.share().total_cmp(&b.described.share()));
         match (first, best) {
             (Some(first), Some(best)) => {
-                let gain = compare(&first.described.evaluation, &best.described.evaluation, &self.rows.log);
-                let is_clear = gain.is_some_and(|gain| gain.is_better(JUDGED, EXPLAINED) && gain.is_large(1));
+                let is_clear = self.is_clear(&first.described, &best);
                 Some(if is_clear { best } else { first }.scales)
             }
+            (None, None) => self.mounted_otherwise(start, found.unwrap_or(start)),
             (first, best) => Some(first.or(best)?.scales),
         }
+    }
+
+    /// Whether a scale explains the torques clearly better than what was `found` before, both under the described bodies.
+    fn is_clear(&self, found: &Tried, own: &Own) -> bool {
+        let gain = compare(&found.evaluation, &own.described.evaluation, &self.rows.log);
+        gain.is_some_and(|gain| gain.is_better(JUDGED, EXPLAINED) && gain.is_large(1))
+    }
+
+    /// The scale with gravity along another axis of the base, where what was `found` leaves much under the described bodies: of an arm that
+    /// hangs no torque is alike before both are put right, and free bodies may see neither.
+    fn mounted_otherwise(&self, start: &Tried, found: &Tried) -> Option<OtherScales> {
+        let described = Tried::new(self.bodies, self.rows, found.description.clone())?;
+        let size = start.description.gravity.norm();
+        if described.share() <= WRONG_MASSES || size == 0.0 {
+            return None;
+        }
+        let mounted = along_axes([-size, size]).map(|gravity| start.description.with(Change::Gravity(gravity)));
+        let others = mounted.filter(|own| !own.same_as(&start.description));
+        let others = others.filter_map(|description| self.with(start, &description, Vec::new()));
+        let best = others.min_by(|a, b| a.described.share().total_cmp(&b.described.share()))?;
+        self.is_clear(&described, &best).then_some(best.scales)
+    }
+
+    /// The scale again under what was found with one scale, a mounting or another change, that hid others: where it explains the torques
+    /// clearly better.
+    pub(super) fn again(&self, start: &Description, found: &Description) -> Option<OtherScales> {
+        let others = found.without_scales();
+        if found.scaled().next().is_none() || others.same_as(start) {
+            return None;
+        }
+        let start = Tried::new(self.free, self.rows, start.clone())?;
+        let before = Tried::new(self.bodies, self.rows, found.clone())?;
+        let own = self.with(&start, &others, Vec::new())?;
+        self.is_clear(&before, &own).then_some(own.scales)
     }
 
     /// The scale under a changed description, which free bodies with the factors must show to be clearly better than the logs as they are.

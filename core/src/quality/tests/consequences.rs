@@ -163,6 +163,31 @@ fn counts_are_one_finding() {
     });
 }
 
+/// Counts of encoders on a clock that runs wrong: to which unit the proportion of velocities comes is chance.
+#[test]
+fn velocities_are_in_no_unit_where_positions_are_counts() {
+    let per_turn = 4096.0 / std::f64::consts::TAU;
+    // So many counts per second for one of the velocity's: turns, degrees, rpm.
+    for proportion in [std::f64::consts::TAU, 180.0 / std::f64::consts::PI, 30.0 / std::f64::consts::PI, 1.0] {
+        assert_found(Kind::PositionUnit, "q1 .. q6", Some(&irb()), |log| {
+            log.q.as_mut_slice().iter_mut().for_each(|v| *v = (2048.0 + *v * per_turn).round());
+            log.qd.as_mut().unwrap().as_mut_slice().iter_mut().for_each(|v| *v *= per_turn / proportion);
+        });
+    }
+}
+
+/// Torques that are those of another joint come at no time of their own.
+#[test]
+fn exchanged_torques_are_not_late() {
+    for (a, b) in [(0, 3), (1, 3), (1, 5), (2, 4)] {
+        assert_found(Kind::Swapped, "tau", Some(&irb()), |log| {
+            let (first, second) = (log.tau.channel(a).to_vec(), log.tau.channel(b).to_vec());
+            log.tau.channel_mut(a).copy_from_slice(&second);
+            log.tau.channel_mut(b).copy_from_slice(&first);
+        });
+    }
+}
+
 /// A motor that is switched off in motion, whose brake falls in, is no frozen position; a log that repeats its last row is.
 #[test]
 fn a_motor_that_is_switched_off_is_not_frozen() {

@@ -144,20 +144,24 @@ impl Rows {
     }
 }
 
-/// Samples at which all torques are measurements. A joint of which too many are none is left out instead: it is `spoilt`.
+/// Samples at which the motion is known and all torques are measurements. A joint of which too many are none is left out instead: it is
+/// `spoilt`.
 fn usable(view: &View, spoilt: &mut [bool]) -> Vec<bool> {
     let samples = view.log.samples();
     let margin = (EDGE_S / view.period).round() as usize;
     let mut usable = vec![true; samples];
+    let mut leave_out = |part: Range<usize>| {
+        usable[part.start.saturating_sub(margin)..(part.end + margin).min(samples)].fill(false);
+    };
+    let frozen = channels::frozen_rows(view);
+    (0..samples).filter(|&sample| frozen[sample]).for_each(|sample| leave_out(sample..sample + 1));
     for (joint, spoilt) in spoilt.iter_mut().enumerate() {
-        let parts = channels::spoilt(view, joint);
+        let parts = channels::spoilt_torques(view, joint);
         if parts.iter().map(Range::len).sum::<usize>() as f64 > MOSTLY * samples as f64 {
             *spoilt = true;
             continue;
         }
-        for part in parts {
-            usable[part.start.saturating_sub(margin)..(part.end + margin).min(samples)].fill(false);
-        }
+        parts.into_iter().for_each(&mut leave_out);
     }
     usable
 }

@@ -132,7 +132,8 @@ pub(in crate::quality::descriptions) fn search(
         }
         // A factor or an offset takes many fits: only the best is grown by one.
         let sized = |from: &Description| {
-            [factors::of_single_joints(physics, &whole, from), zeros::of_single_joints(physics, &whole, from)].concat()
+            let factors = factors::of_single_joints(physics, &whole, from, &start.description);
+            [factors, zeros::of_single_joints(physics, &whole, from)].concat()
         };
         for next in grown.first().map_or(Vec::new(), sized) {
             if !seen.iter().chain(&candidates).any(|other| other.same_but_for_sizes(&next)) {

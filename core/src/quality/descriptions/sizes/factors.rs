@@ -9,7 +9,7 @@ use super::super::compare::{EXPLAINED, compare};
 use super::super::fitting::{Physics, Rows, Tables};
 use super::super::shares::{ALIKE, WRONG_MASSES};
 use super::super::tried::Tried;
-use super::scale::{PLAUSIBLE, STEP, best, between, differ, merit, spread, without_load};
+use super::scale::{BOUNDED, PLAUSIBLE, STEP, best, between, differ, merit, spread, without_load};
 
 /// Factors below it are not reported: torque constants, gears and described bodies differ from those of files by up to a factor of two.
 const REPORTED: f64 = 2.0;
@@ -28,12 +28,17 @@ const DETERMINED: f64 = 0.5;
 const ROUNDS: usize = 3;
 
 /// The description with a factor for the torque of one more joint, for each joint that has none yet and to which all rows give one
-/// beyond what is reported.
-pub(crate) fn of_single_joints(physics: &Physics, rows: &Rows, from: &Description) -> Vec<Description> {
+/// beyond what is reported; `start` is what is known already.
+pub(crate) fn of_single_joints(
+    physics: &Physics,
+    rows: &Rows,
+    from: &Description,
+    start: &Description,
+) -> Vec<Description> {
     // Nothing joins the torques of joints by themselves. And a factor takes a torque that no model explains out of the fit of the others:
     // together with another change it explains too much, but for the sign of all, which takes no torque out.
-    if matches!(physics, Physics::Alone | Physics::Multiples(_)) || from.dof() < 2 || !from.has_only_scales_and_signs()
-    {
+    let adds_others = from.other_than_scales_and_signs() != start.other_than_scales_and_signs();
+    if matches!(physics, Physics::Alone | Physics::Multiples(_)) || from.dof() < 2 || adds_others {
         return Vec::new();
     }
     let tables = physics.tables(rows, from);
@@ -200,11 +205,20 @@ impl Search<'_> {
         };
         let factors: Vec<f64> = scales.iter().map(|scale| 1.0 / scale).collect();
         let mut all = given.with_scales(1.0 / sizes[sizes.len() / 2], &factors);
-        all.scale_is_partial = joints.len() < given.dof();
+        // A torque that is friction for the most part fits with any.
+        let is_known = |joint: usize| {
+            let times = |factor: f64| {
+                let mut scales = scales.clone();
+                scales[joint] *= factor;
+                of(&scales)
+            };
+            joints.contains(&joint) && times(1.0) < times(NEAR).min(times(1.0 / NEAR)) - BOUNDED
+        };
+        all.scale_is_partial = !(0..given.dof()).all(is_known);
         let after = self.accepted(all, joints.len() - 1, is_beyond_masses)?;
         // Those that wrong masses make are none.
-        let beyond: Vec<usize> =
-            joints.iter().copied().filter(|&joint| scales[joint].ln().abs() > REPORTED.ln()).collect();
+        let reported = |&joint: &usize| scales[joint].ln().abs() > REPORTED.ln() && is_known(joint);
+        let beyond: Vec<usize> = joints.iter().copied().filter(reported).collect();
         if !beyond.is_empty() && 2 * beyond.len() < joints.len() {
             let mut few = vec![1.0; given.dof()];
             beyond.iter().for_each(|&joint| few[joint] = scales[joint]);
@@ -218,7 +232,7 @@ impl Search<'_> {
                 return Some(OwnFactors { after: few, factors: Vec::new() });
             }
         }
-        let known = |joint: usize| joints.contains(&joint).then(|| factors[joint]);
+        let known = |joint: usize| is_known(joint).then(|| factors[joint]);
         Some(OwnFactors { after, factors: (0..given.dof()).map(known).collect() })
     }
 

@@ -31,6 +31,10 @@ const UNEQUAL: f64 = 2.0;
 /// masses are rarely wrong by more.
 const SPREAD: f64 = 3.0;
 
+/// The factor of one torque of several is known where it fits all rows better than both ends of the range in which it is refined, by so much
+/// in the logarithm of the mean squares: a torque that is friction alone fits all of them alike.
+pub(crate) const BOUNDED: f64 = 0.1;
+
 /// Rounds over the joints, whose factors share the load.
 const ROUNDS: usize = 3;
 

@@ -7,17 +7,13 @@ use super::super::change::Description;
 use super::super::compare::{DISTINCT, EXPLAINED, compare};
 use super::super::fitting::{Physics, Rows};
 use super::super::tried::Tried;
-use super::scale::{best, merit};
+use super::scale::{BOUNDED, best, merit};
 
 /// Ratios to the shared factor are looked for within this: a joint farther from it has its own already.
 const NEAR: f64 = 3.0;
 
 /// Rounds over the joints, which share the bodies.
 const ROUNDS: usize = 3;
-
-/// A ratio is known where it fits all rows better than at both ends of the range, by so much in the logarithm of the mean squares: a torque
-/// that is friction alone fits all of them alike.
-const DETERMINED: f64 = 0.1;
 
 /// The factors of the torques one by one, how many times larger each is, with the logs as they are then explained: where free bodies explain
 /// the torques clearly better by them than by the one that is `shared`, and either the gain is large under these, or under the described
@@ -61,7 +57,7 @@ pub(crate) fn of_joints(
     }
     let is_known = |joint: usize| {
         let ends = [ratios[joint] / NEAR, ratios[joint] * NEAR].map(|end| merit_of(&ratios, joint, end));
-        joints.contains(&joint) && merit_of(&ratios, joint, ratios[joint]) < ends[0].min(ends[1]) - DETERMINED
+        joints.contains(&joint) && merit_of(&ratios, joint, ratios[joint]) < ends[0].min(ends[1]) - BOUNDED
     };
     let known: Vec<bool> = (0..start.dof()).map(is_known).collect();
     // The size that all share is that of the described bodies.

@@ -174,3 +174,32 @@ fn a_factor_that_leaves_much_is_not_certain() {
     let said = findings(&verdict, &irb().joint_names());
     assert!(verdict.leaves_much() && said[0].text.contains("nothing of this is certain"), "{said:?}");
 }
+
+/// Gravity hides the factors of single torques of an arm that hangs, and they hide it.
+#[test]
+fn factors_of_two_torques_and_a_mounting_are_found_together() {
+    for (gravity, factors) in [
+        ([0.0, 0.0, 9.81], [1.0, 1.0 / 100.0, 1.0, 1.0 / 20.0, 1.0, 1.0]),
+        ([0.0, 0.0, 9.81], [1.0, 1.0, 1.0 / 50.0, 1.0, 1.0 / 90.0, 1.0]),
+        ([9.81, 0.0, 0.0], [1.0, 1.0 / 100.0, 1.0 / 30.0, 1.0, 1.0, 1.0]),
+    ] {
+        let mounted = Robot { gravity: gravity.into(), ..irb() };
+        let verdict = judged(&scaled(&mounted, factors)).unwrap();
+        let found = verdict.description.gravity;
+        assert!(found.angle(&mounted.gravity).to_degrees() < 5.0, "{gravity:?}: {:?}", verdict.description.changes);
+        for (scale, factor) in verdict.description.torque_scale.iter().zip(factors) {
+            assert!(factor == 1.0 || (scale * factor).ln().abs() < 0.4, "{factor}: {:?}", verdict.description);
+        }
+    }
+}
+
+/// A sign that is wrong besides shows once the factors are known, which described bodies show before free ones.
+#[test]
+fn a_sign_besides_factors_of_two_torques_is_found() {
+    let mut log = scaled(&irb(), [1.0, 1.0 / 50.0, 1.0, 1.0 / 120.0, 1.0, 1.0]);
+    log.recording.tau.channel_mut(2).iter_mut().for_each(|torque| *torque = -*torque);
+    let verdict = judged(&log).unwrap();
+    let signs: Vec<f64> = verdict.description.torque_sign.clone();
+    assert_eq!(signs, [1.0, 1.0, -1.0, 1.0, 1.0, 1.0], "{:?}", verdict.description.changes);
+    assert!((verdict.description.torque_scale[1] / 50.0).ln().abs() < 0.2, "{:?}", verdict.description);
+}

@@ -68,6 +68,7 @@ pub(crate) const QUANTITIES: [Quantity; 4] = [
             "qdot",
             "q_dot",
             "vel",
+            "velo",
             "velocity",
             "velocities",
             "speed",

@@ -15,6 +15,7 @@ mod settled;
 mod sizes;
 #[cfg(test)]
 mod tests;
+mod transmissions;
 mod tree;
 mod units;
 mod write;

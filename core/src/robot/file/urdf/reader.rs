@@ -2,7 +2,7 @@
 
 use super::super::xml::{XmlText, attribute, child, children, line};
 use super::elements::{joint_type, pose_of};
-use super::{clean, numbers, settled, tree};
+use super::{clean, numbers, settled, transmissions, tree};
 use crate::error::{Error, Result};
 use crate::robot::description::{
     Description, JointDescription, LinkDescription, Mimic, Missing, Motion, settle_mimics,
@@ -52,7 +52,10 @@ fn describe(source: &XmlText, notes: Vec<String>) -> Result<Description> {
     }
     reader.check()?;
     let urdf = parsed(source, &document, false)?;
-    reader.description(&urdf, notes)
+    let mut description = reader.description(&urdf, notes)?;
+    let known = |joint: &str| description.joints.iter().any(|own| own.name == joint);
+    description.actuators = transmissions::motors(&root, known);
+    Ok(description)
 }
 
 /// The named elements of one kind in the order of the file.

@@ -205,14 +205,16 @@ impl Search<'_> {
         };
         let factors: Vec<f64> = scales.iter().map(|scale| 1.0 / scale).collect();
         let mut all = given.with_scales(1.0 / sizes[sizes.len() / 2], &factors);
-        // A torque that is friction for the most part fits with any.
+        // A torque that is friction for the most part fits with any; one whose sign is wrong does before that is found.
         let is_known = |joint: usize| {
             let times = |factor: f64| {
                 let mut scales = scales.clone();
                 scales[joint] *= factor;
                 of(&scales)
             };
-            joints.contains(&joint) && times(1.0) < times(NEAR).min(times(1.0 / NEAR)) - BOUNDED
+            let is_opposite = alone[joint].is_some_and(|factor| factor < 0.0);
+            let is_bounded = || times(1.0) < times(NEAR).min(times(1.0 / NEAR)) - BOUNDED;
+            joints.contains(&joint) && (is_opposite || is_bounded())
         };
         all.scale_is_partial = !(0..given.dof()).all(is_known);
         let after = self.accepted(all, joints.len() - 1, is_beyond_masses)?;

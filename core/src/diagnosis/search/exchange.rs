@@ -3,7 +3,6 @@
 
 use super::acceptance::{Outcome, Trial};
 use super::found::{Found, members};
-use super::reselection::can_be_asked;
 use crate::diagnosis::evidence::{Gains, Judged, Multiplicity};
 use crate::diagnosis::model::{Fit, Member, Session};
 use crate::error::Result;
@@ -41,7 +40,7 @@ pub(super) fn exchanged(
     let mut places: Vec<usize> = undone.into_iter().map(|k| others[k]).chain([index]).collect();
     places.sort_unstable();
     places.dedup();
-    if places.len() < 2 || !places.iter().all(|&place| can_be_asked(&found[place])) {
+    if places.len() < 2 || !places.iter().all(|&place| found[place].can_be_asked()) {
         return Ok(None);
     }
 

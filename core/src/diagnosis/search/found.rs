@@ -100,6 +100,11 @@ pub struct Found {
 }
 
 impl Found {
+    /// Whether it can be selected again: not one that impacts show, nor an event.
+    pub(super) fn can_be_asked(&self) -> bool {
+        !self.member.held && self.member.candidate.log.is_none()
+    }
+
     /// What a trial accepted.
     pub(crate) fn new(accepted: Accepted, alternatives: Vec<Alternative>) -> Self {
         let Accepted { member, gain_lower_bound, level } = accepted;

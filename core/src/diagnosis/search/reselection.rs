@@ -102,11 +102,6 @@ impl<'a> Restricted<'a> {
     }
 }
 
-/// Whether a finding can be selected again: not one that impacts show, nor an event.
-pub(super) fn can_be_asked(found: &Found) -> bool {
-    !found.member.held && found.member.candidate.log.is_none()
-}
-
 /// Repeats the model comparison for every finding with all others in the model, among the candidates `everywhere`; returns
 /// whether a name has changed. What would replace a finding and fails a gate is added to `rejected`; what fails it since it makes others
 /// unidentifiable may replace these too.
@@ -131,7 +126,7 @@ pub(super) fn reselect(
     while next < found.len() && !watch.is_over() {
         let index = next;
         next += 1;
-        if !can_be_asked(&found[index]) {
+        if !found[index].can_be_asked() {
             continue;
         }
         watch.tell(Progress::Found(found.len()));
@@ -196,7 +191,7 @@ pub(super) fn list_alternatives(
     let open = |found: &Found| {
         let misfit = round.whitener.is_misfit(&found.member.candidate.joints(), session.criteria.levels.misfit);
         let is_reported = !session.sampling_makes(&found.member.placed);
-        can_be_asked(found) && is_confirmable(&found.member.candidate) && !misfit && is_reported
+        found.can_be_asked() && is_confirmable(&found.member.candidate) && !misfit && is_reported
     };
     let imitated =
         |family: Family| round.all.iter().any(|candidate| candidate.family() == family && !is_confirmable(candidate));

@@ -47,7 +47,8 @@ pub(super) fn positions<'a>(view: &'a View, joint: usize) -> impl Iterator<Item 
     let velocity = view.log.qd.as_ref().filter(|_| view.log.has_velocity(joint)).map(|qd| qd.channel(joint));
     let fastest = velocity.map_or(0.0, |qd| size_quantile(qd.iter().copied(), 0.95));
     let tau = view.log.tau.channel(joint);
-    runs(q).filter(move |(_, length)| *length >= shortest).filter(move |&(start, length)| {
+    // One that stands all along hardly moves, as far as the log shows.
+    runs(q).filter(move |(_, length)| (shortest..q.len()).contains(length)).filter(move |&(start, length)| {
         let end = start + length;
         let makes_up = end < q.len() && (q[end] - q[end - 1]).abs() > (4.0 * typical).max(1e-3);
         let runs_on = velocity.is_some_and(|qd| {

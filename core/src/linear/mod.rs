@@ -8,6 +8,7 @@ pub(crate) use product::{gram_matrix, product_of, subtract_product, transposed_p
 
 use faer::linalg::solvers::Qr;
 use faer::{Mat, MatRef};
+use nalgebra::DMatrix;
 
 /// An orthonormal basis of the span of some columns, by Householder's QR of columns of unit length.
 #[derive(Debug, Clone)]
@@ -60,6 +61,22 @@ impl OrthonormalBasis {
         }
         rest
     }
+}
+
+/// Householder's QR of columns with so many `rows`, held one after the other: orthonormal directions, held likewise, and the parts of the
+/// columns along them, `[direction][column]`. There are as many directions as columns, or as rows where these are fewer.
+///
+/// # Panics
+/// If the columns are not whole.
+pub(crate) fn thin_qr(columns: &[f64], rows: usize) -> (Vec<f64>, DMatrix<f64>) {
+    let count = columns.len().checked_div(rows).unwrap_or(0);
+    if count == 0 {
+        return (Vec::new(), DMatrix::zeros(0, 0));
+    }
+    let qr = Qr::new(MatRef::from_column_major_slice(columns, rows, count));
+    let (q, r) = (qr.compute_thin_Q(), qr.thin_R());
+    let directions = (0..q.ncols()).flat_map(|k| q.col(k).iter().copied().collect::<Vec<f64>>()).collect();
+    (directions, DMatrix::from_fn(r.nrows(), count, |row, k| if row <= k { r[(row, k)] } else { 0.0 }))
 }
 
 /// The inner product, in several sums at once so that none waits for itself.
@@ -143,6 +160,19 @@ mod tests {
                 let size = length(&columns[i]);
                 assert!(made.iter().zip(&columns[i]).all(|(made, x)| (made * size - x).abs() < 1e-13 * size));
             }
+        }
+    }
+
+    #[test]
+    fn thin_factors_give_the_columns_back() {
+        for (count, rows) in [(0, 5), (3, 3), (4, 2), (20, 300)] {
+            let columns = random_columns(count, rows).concat();
+            let (directions, triangle) = thin_qr(&columns, rows);
+            let kept = count.min(rows);
+            assert_eq!((directions.len(), triangle.shape()), (kept * rows, (kept, count)));
+            let q = DMatrix::from_vec(rows, kept, directions);
+            assert!((q.tr_mul(&q) - DMatrix::identity(kept, kept)).amax() < 1e-13);
+            assert!((q * triangle - DMatrix::from_vec(rows, count, columns)).amax() < 1e-13);
         }
     }
 

@@ -4,7 +4,7 @@
 //! much as the gap itself. With the hidden effects known, noise plays no part.
 
 use super::conclusion::Concluded;
-use crate::diagnosis::regression::{Column, combined, rms, solve};
+use crate::diagnosis::regression::{Column, combined, rms};
 use crate::effects::Placed;
 use crate::error::Result;
 
@@ -18,7 +18,7 @@ impl Concluded<'_> {
         let (session, whitener) = (&self.session, &self.first_whitener);
         let added = |rows| Ok(combined(&session.model.arm.added(hidden, rows)?, &vec![1.0; hidden.len()]));
         let (train, mut wanted) = (added(&session.logs.train.rows)?, added(&session.logs.test.rows)?);
-        let taken = solve(&whitener.apply_all(&session.logs.train.baseline), &whitener.apply(&train));
+        let taken = whitener.solve(&session.logs.train.baseline, &train);
         for (column, value) in session.logs.test.baseline.iter().zip(taken.values) {
             wanted.add(-value, column);
         }

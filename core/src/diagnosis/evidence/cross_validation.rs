@@ -2,7 +2,7 @@
 
 use crate::diagnosis::model::{Member, Session};
 use crate::diagnosis::noise::Whitener;
-use crate::diagnosis::regression::{Column, solve};
+use crate::diagnosis::regression::Column;
 use crate::error::Result;
 
 /// What the model with `members` leaves of every log that is identified from, fitted to all the others.
@@ -19,7 +19,7 @@ pub(crate) fn cross_validated_residual(session: &Session, members: &[Member], wh
         rows.valid.clone_from(&data.rows.valid);
         rows.valid.iter_mut().for_each(|valid| valid[own.clone()].fill(false));
         let of_others = whitener.on(&rows);
-        let values = solve(&of_others.apply_all(&columns), &of_others.apply(&data.torque)).values;
+        let values = of_others.solve(&columns, &data.torque).values;
         for (joint, left) in &mut left.parts {
             for (column, value) in columns.iter().zip(&values) {
                 let Some(signal) = column.part(*joint) else { continue };

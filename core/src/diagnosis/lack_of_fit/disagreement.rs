@@ -6,7 +6,7 @@ use crate::diagnosis::criteria::{Criteria, Gate, Judgement};
 use crate::diagnosis::logs::Rows;
 use crate::diagnosis::model::{Member, Session};
 use crate::diagnosis::noise::Whitener;
-use crate::diagnosis::regression::{Column, rms, solve};
+use crate::diagnosis::regression::{Column, rms};
 use crate::error::Result;
 use std::ops::Range;
 
@@ -86,7 +86,7 @@ fn parts_left_out(session: &Session, members: &[Member], whitener: &Whitener) ->
             (others.valid[joint], left_out.valid[joint]) = (of(false), of(true));
         }
         let whitener = whitener.on(&others);
-        let solved = solve(&whitener.apply_all(&columns), &whitener.apply(&data.torque));
+        let solved = whitener.solve(&columns, &data.torque);
         let residual = data.residual(&columns, &solved.values);
         for (joint, most) in most.iter_mut().enumerate() {
             *most = most.max(averages(&left_out, logs.clone(), &residual, joint));
@@ -103,7 +103,7 @@ fn fitted_together(session: &Session, members: &[Member], whitener: &Whitener) -
     let data = &all.logs.train;
     let columns = all.model.columns(data, members)?;
     let whitener = whitener.on(&data.rows);
-    let solved = solve(&whitener.apply_all(&columns), &whitener.apply(&data.torque));
+    let solved = whitener.solve(&columns, &data.torque);
     let residual = data.residual(&columns, &solved.values);
     let training = session.logs.train.rows.logs.len();
     let kinds = [0..training, training..data.rows.logs.len()];

@@ -6,7 +6,7 @@ use crate::diagnosis::criteria::{Gate, Judgement};
 use crate::diagnosis::evidence::{Block, Gains, against_slow_noise, modulated};
 use crate::diagnosis::model::{DataSet, Member, Nuisances, PreparedLogs, Session};
 use crate::diagnosis::noise::Whitener;
-use crate::diagnosis::regression::{Column, Projection, Test, fisher, solve};
+use crate::diagnosis::regression::{Column, Projection, Test, fisher};
 use crate::diagnosis::search::{Selection, members};
 use crate::error::Result;
 use std::borrow::Cow;
@@ -413,7 +413,7 @@ impl<'a> Fitted<'a> {
     fn gains(&self, under: &Under, joint: usize, block: &Block, again: &Block) -> Gains {
         let PreparedLogs { train, test, .. } = &self.session.logs;
         let with: Vec<Column> = self.columns().iter().chain(&block.columns).cloned().collect();
-        let solved = solve(&under.whitener.apply_all(&with), &under.whitener.apply(&train.torque));
+        let solved = under.whitener.solve(&with, &train.torque);
         let mut after = test.torque.clone();
         for (column, value) in self.held_out_columns.iter().chain(&again.columns).zip(solved.values) {
             after.add(-value, column);

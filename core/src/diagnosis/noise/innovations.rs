@@ -18,6 +18,8 @@ pub(super) struct InnovationsFilter {
     noise: AutoregressiveNoise,
     /// Valid rows.
     rows: Vec<usize>,
+    /// First rows of the logs.
+    starts: Vec<usize>,
     /// Of every row: what to do.
     steps: Vec<Step>,
     /// Rows that need no state.
@@ -70,7 +72,7 @@ impl InnovationsFilter {
         }
         let rows = (0..valid.len()).filter(|&row| valid[row]).collect();
         let long_runs = long_runs(&steps, order);
-        InnovationsFilter { noise, rows, steps, long_runs }
+        InnovationsFilter { noise, rows, starts: starts.to_vec(), steps, long_runs }
     }
 
     /// The noise.
@@ -81,6 +83,11 @@ impl InnovationsFilter {
     /// Valid rows.
     pub(super) fn rows(&self) -> &[usize] {
         &self.rows
+    }
+
+    /// First rows of the logs.
+    pub(super) fn starts(&self) -> &[usize] {
+        &self.starts
     }
 
     /// The same colour with the standard deviation times `factor`.

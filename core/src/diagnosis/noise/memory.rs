@@ -1,21 +1,32 @@
-//! Noises that were estimated before: a model comparison adds columns on one joint after the other, and the noise of all other joints is
-//! asked for again as it was.
+//! What was worked out before: a model comparison adds columns on one joint after the other, and the noise and the regression of all other
+//! joints are asked for again as they were.
 
+use super::innovations::InnovationsFilter;
 use super::joint_whitener::JointWhitener;
+use crate::diagnosis::regression::JointFactors;
 use quick_cache::sync::Cache;
-use std::hash::{DefaultHasher, Hasher};
+use quick_cache::{DefaultHashBuilder, Weighter};
 use std::sync::Arc;
+use twox_hash::xxhash3_128;
 
 /// Noises that are kept.
-const KEPT: usize = 400;
+const NOISES: usize = 400;
 
-/// Noises of joints by what they were estimated from. They are functions of that alone: what is remembered changes no number.
+/// Values of factors that are kept, 8 bytes each, and about how many factors that are.
+const VALUES: u64 = 16_000_000;
+const FACTORS: usize = 200;
+
+/// Noises and regressions of joints by what they were estimated from. They are functions of that alone: what is remembered changes no
+/// number.
 #[derive(Debug)]
-pub(crate) struct NoiseMemory(Cache<u128, Arc<JointWhitener>>);
+pub(crate) struct NoiseMemory {
+    noises: Cache<u128, Arc<JointWhitener>>,
+    pub(super) factors: Arc<FactorMemory>,
+}
 
 impl Default for NoiseMemory {
     fn default() -> Self {
-        NoiseMemory(Cache::new(KEPT))
+        NoiseMemory { noises: Cache::new(NOISES), factors: Arc::default() }
     }
 }
 
@@ -24,27 +35,70 @@ impl NoiseMemory {
     ///
     /// Two threads that ask for the same at once both work it out: one that waits could take up work that waits for itself.
     pub(super) fn get(&self, key: u128, estimate: impl FnOnce() -> JointWhitener) -> Arc<JointWhitener> {
-        if let Some(known) = self.0.get(&key) {
+        if let Some(known) = self.noises.get(&key) {
             return known;
         }
         let new = Arc::new(estimate());
+        self.noises.insert(key, new.clone());
+        new
+    }
+}
+
+/// Factors of regressions, by their inputs.
+#[derive(Debug)]
+pub(super) struct FactorMemory(Cache<u128, Arc<JointFactors>, Values>);
+
+/// Factors weigh as much as they have values.
+#[derive(Debug, Clone)]
+struct Values;
+
+impl Weighter<u128, Arc<JointFactors>> for Values {
+    fn weight(&self, _: &u128, factors: &Arc<JointFactors>) -> u64 {
+        factors.size().max(1) as u64
+    }
+}
+
+impl Default for FactorMemory {
+    fn default() -> Self {
+        FactorMemory(Cache::with(FACTORS, VALUES, Values, DefaultHashBuilder::default(), Default::default()))
+    }
+}
+
+impl FactorMemory {
+    /// The factors of these inputs, worked out if they are not known; by two threads that ask at once.
+    pub(super) fn get(&self, key: u128, factor: impl FnOnce() -> JointFactors) -> Arc<JointFactors> {
+        if let Some(known) = self.0.get(&key) {
+            return known;
+        }
+        let new = Arc::new(factor());
         self.0.insert(key, new.clone());
         new
     }
 }
 
 /// A key of 128 bits of a joint, its valid rows, the torque and the columns there.
-pub(super) fn key<'a>(joint: usize, valid: &[bool], signals: impl Iterator<Item = &'a [f64]> + Clone) -> u128 {
-    let half = |salt: u64| {
-        let mut hasher = DefaultHasher::new();
-        hasher.write_u64(salt);
-        hasher.write_usize(joint);
-        valid.iter().for_each(|&ok| hasher.write_u8(u8::from(ok)));
-        for signal in signals.clone() {
-            hasher.write_usize(signal.len());
-            signal.iter().for_each(|value| hasher.write_u64(value.to_bits()));
-        }
-        u128::from(hasher.finish())
-    };
-    half(0) << 64 | half(1)
+pub(super) fn key_of_noise<'a>(joint: usize, valid: &[bool], signals: impl Iterator<Item = &'a [f64]>) -> u128 {
+    let mut hasher = xxhash3_128::Hasher::new();
+    hasher.write(&joint.to_le_bytes());
+    hasher.write(bytemuck::cast_slice(valid));
+    write(&mut hasher, signals);
+    hasher.finish_128()
+}
+
+/// A key of a filter and the signals that it whitens.
+pub(super) fn key_of_factors<'a>(filter: &InnovationsFilter, signals: impl Iterator<Item = &'a [f64]>) -> u128 {
+    let mut hasher = xxhash3_128::Hasher::new();
+    let noise = filter.noise();
+    write(&mut hasher, [noise.coefficients.as_slice(), &[noise.innovation_std]].into_iter());
+    hasher.write(bytemuck::cast_slice(filter.rows()));
+    hasher.write(bytemuck::cast_slice(filter.starts()));
+    write(&mut hasher, signals);
+    hasher.finish_128()
+}
+
+fn write<'a>(hasher: &mut xxhash3_128::Hasher, signals: impl Iterator<Item = &'a [f64]>) {
+    for signal in signals {
+        hasher.write(&signal.len().to_le_bytes());
+        hasher.write(bytemuck::cast_slice(signal));
+    }
 }

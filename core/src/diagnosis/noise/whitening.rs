@@ -2,9 +2,9 @@
 
 use super::innovations::InnovationsFilter;
 use super::joint_whitener::JointWhitener;
-use super::memory::{NoiseMemory, key};
+use super::memory::{FactorMemory, NoiseMemory, key_of_factors, key_of_noise};
 use crate::diagnosis::logs::Rows;
-use crate::diagnosis::regression::{Column, Projection};
+use crate::diagnosis::regression::{Column, Factored, JointEquations, JointFactors, OfJoint, Projection, Solved};
 use crate::identification::noise::AutoregressiveNoise;
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -13,13 +13,15 @@ use std::sync::Arc;
 #[derive(Debug, Clone)]
 pub struct Whitener {
     joints: Vec<JointWhitener>,
+    /// Regressions in this noise and in others.
+    memory: Arc<FactorMemory>,
 }
 
 impl Whitener {
     /// From what `torque` has beyond the columns in `present` (the baseline, effects) and the rich ones.
     pub fn new(rows: &Rows, torque: &Column, present: &[Column]) -> Self {
         let joints = (0..rows.dof()).into_par_iter().map(|joint| JointWhitener::of(rows, torque, present, joint));
-        Whitener { joints: joints.collect() }
+        Whitener { joints: joints.collect(), memory: Arc::default() }
     }
 
     /// [`Whitener::new`], with joints whose noise was estimated from the same before taken from `memory`.
@@ -27,9 +29,9 @@ impl Whitener {
         let joints = (0..rows.dof()).into_par_iter().map(|joint| {
             let signals = present.iter().chain([torque]).filter_map(|column| column.part(joint));
             let estimate = || JointWhitener::of(rows, torque, present, joint);
-            JointWhitener::clone(&memory.get(key(joint, &rows.valid[joint], signals), estimate))
+            JointWhitener::clone(&memory.get(key_of_noise(joint, &rows.valid[joint], signals), estimate))
         });
-        Whitener { joints: joints.collect() }
+        Whitener { joints: joints.collect(), memory: memory.factors.clone() }
     }
 
     /// The same with the noise of one joint from what `torque` has there beyond the columns in `present` and the rich ones.
@@ -45,7 +47,7 @@ impl Whitener {
             filter: Arc::new(InnovationsFilter::new(noise, valid, &rows.starts)),
             misfit: 1.0,
         });
-        Whitener { joints: joints.collect() }
+        Whitener { joints: joints.collect(), memory: Arc::default() }
     }
 
     /// A column whitened; the rows that do not count are gone.
@@ -61,7 +63,37 @@ impl Whitener {
 
     /// The least-squares fit of `torque` by `columns`, none of them whitened yet.
     pub fn fit(&self, columns: &[Column], torque: &Column) -> Projection {
-        Projection::new(&self.apply_all(columns), &self.apply(torque))
+        Projection::of(&self.factored(columns, torque))
+    }
+
+    /// The same fit with its covariance.
+    pub(crate) fn solve(&self, columns: &[Column], torque: &Column) -> Solved {
+        self.equations(columns, torque).solved(|_| 1.0)
+    }
+
+    /// Its normal equations, joint by joint.
+    pub(crate) fn equations(&self, columns: &[Column], torque: &Column) -> JointEquations {
+        JointEquations::new(&self.factored(columns, torque))
+    }
+
+    fn factored(&self, columns: &[Column], torque: &Column) -> Factored {
+        let of_joint = |(joint, JointWhitener { filter, misfit }): (usize, &JointWhitener)| {
+            let own = columns.iter().enumerate().filter_map(|(place, column)| Some((place, column.part(joint)?)));
+            let (places, parts): (Vec<usize>, Vec<&[f64]>) = own.unzip();
+            let torque = torque.part(joint);
+            if places.is_empty() && torque.is_none() {
+                return None;
+            }
+            let signals = parts.iter().copied().chain([torque.unwrap_or_default()]);
+            let factors = self.memory.get(key_of_factors(filter, signals), || {
+                let columns = parts.iter().flat_map(|part| filter.apply(part)).collect();
+                let torque = torque.map_or_else(|| vec![0.0; filter.rows().len()], |torque| filter.apply(torque));
+                JointFactors::new(columns, torque)
+            });
+            Some(OfJoint { joint, places, factors, weight: 1.0 / misfit })
+        };
+        let joints = self.joints.par_iter().enumerate().filter_map(of_joint);
+        Factored { columns: columns.len(), joints: joints.collect() }
     }
 
     /// The number of valid rows of each joint.
@@ -75,7 +107,7 @@ impl Whitener {
             filter: Arc::new(InnovationsFilter::new(joint.filter.noise().clone(), valid, &rows.starts)),
             misfit: joint.misfit,
         });
-        Whitener { joints: joints.collect() }
+        Whitener { joints: joints.collect(), memory: self.memory.clone() }
     }
 
     /// The same noise with each joint's standard deviation times a factor, for a residual beyond the noise.

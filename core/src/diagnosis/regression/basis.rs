@@ -1,6 +1,7 @@
 //! An orthonormal basis of columns, held joint by joint so that inner products are products of matrices.
 
 use super::column::{Column, joints_of};
+use super::factors::JointFactors;
 use crate::linear::{product_of, subtract_product};
 use nalgebra::DMatrix;
 use std::collections::BTreeMap;
@@ -10,9 +11,22 @@ use std::sync::Arc;
 /// that have them.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Basis {
+    /// The first directions, those of a model, over the directions of every joint.
+    model: Arc<Vec<Mixed>>,
     blocks: Vec<Arc<Block>>,
     /// Values of every direction in rows of no joint.
     beforehand: Vec<Vec<f64>>,
+}
+
+/// Directions of a model on one joint: sums of those of the joint.
+#[derive(Debug)]
+pub(super) struct Mixed {
+    /// The joint.
+    pub joint: usize,
+    /// Its directions.
+    pub factors: Arc<JointFactors>,
+    /// Parts of the directions of the model along those of the joint, `[of joint][of model]`.
+    pub mix: DMatrix<f64>,
 }
 
 /// Directions that came together, on one joint.
@@ -27,6 +41,11 @@ struct Block {
 }
 
 impl Basis {
+    /// The `count` directions of a model.
+    pub(super) fn of_model(model: Vec<Mixed>, count: usize) -> Self {
+        Basis { model: Arc::new(model), blocks: Vec::new(), beforehand: vec![Vec::new(); count] }
+    }
+
     /// Number of directions.
     pub(super) fn len(&self) -> usize {
         self.beforehand.len()
@@ -35,10 +54,18 @@ impl Basis {
     /// Inner products, `[direction][column]`.
     pub(super) fn along(&self, columns: &[Column]) -> DMatrix<f64> {
         let mut along = DMatrix::zeros(self.len(), columns.len());
-        for (joint, blocks) in self.by_joint() {
+        for (joint, OnJoint { mixed, blocks }) in self.by_joint() {
             let (own, values) = on_joint(columns, joint);
             if own.is_empty() {
                 continue;
+            }
+            if let Some(Mixed { factors, mix, .. }) = mixed {
+                let parts = product_of(factors.directions(), &values, factors.rows(), [mix.nrows(), own.len()]);
+                let parts = mix.tr_mul(&parts);
+                for (c, &column) in own.iter().enumerate() {
+                    let mut along = along.view_mut((0, column), (parts.nrows(), 1));
+                    along += parts.column(c);
+                }
             }
             for block in blocks {
                 let product = product_of(&block.values, &values, block.rows, [block.places.len(), own.len()]);
@@ -59,17 +86,23 @@ impl Basis {
 
     /// Takes from every column its parts `along` the directions.
     pub(super) fn subtract(&self, columns: &mut [Column], along: &DMatrix<f64>) {
-        for (joint, blocks) in self.by_joint() {
+        for (joint, OnJoint { mixed, blocks }) in self.by_joint() {
+            let of_model = mixed.map_or(0, |mixed| mixed.mix.ncols());
             let acts = |column: usize| {
-                blocks.iter().flat_map(|block| &block.places).any(|&place| along[(place, column)] != 0.0)
+                let places = blocks.iter().flat_map(|block| block.places.iter().copied()).chain(0..of_model);
+                places.into_iter().any(|place| along[(place, column)] != 0.0)
             };
             let touched: Vec<usize> = (0..columns.len()).filter(|&column| acts(column)).collect();
-            let Some(rows) = blocks.first().map(|block| block.rows).filter(|_| !touched.is_empty()) else { continue };
+            let rows = mixed.map(|mixed| mixed.factors.rows()).or(blocks.first().map(|block| block.rows));
+            let Some(rows) = rows.filter(|_| !touched.is_empty()) else { continue };
             let mut parts: Vec<f64> = Vec::with_capacity(rows * touched.len());
             for &column in &touched {
                 parts.extend_from_slice(columns[column].part_mut(joint, rows));
             }
             let along = along.select_columns(&touched);
+            if let Some(Mixed { factors, mix, .. }) = mixed {
+                subtract_product(&mut parts, factors.directions(), rows, &(mix * along.rows(0, of_model)));
+            }
             for block in blocks {
                 subtract_product(&mut parts, &block.values, rows, &along.select_rows(&block.places));
             }
@@ -99,6 +132,15 @@ impl Basis {
     pub(super) fn columns(&self) -> Vec<Column> {
         let mut columns: Vec<Column> =
             self.beforehand.iter().map(|known| Column { parts: Vec::new(), beforehand: known.clone() }).collect();
+        for Mixed { joint, factors, mix } in self.model.iter() {
+            let mut parts = vec![0.0; factors.rows() * mix.ncols()];
+            subtract_product(&mut parts, factors.directions(), factors.rows(), &-mix);
+            for (column, values) in columns.iter_mut().zip(parts.chunks_exact(factors.rows().max(1))) {
+                if values.iter().any(|&x| x != 0.0) {
+                    column.parts.push((*joint, values.to_vec()));
+                }
+            }
+        }
         for block in &self.blocks {
             for (&place, values) in block.places.iter().zip(block.values.chunks_exact(block.rows.max(1))) {
                 columns[place].parts.push((block.joint, values.to_vec()));
@@ -108,14 +150,24 @@ impl Basis {
         columns
     }
 
-    /// The blocks of each joint.
-    fn by_joint(&self) -> BTreeMap<usize, Vec<&Block>> {
-        let mut joints: BTreeMap<usize, Vec<&Block>> = BTreeMap::new();
+    /// The directions of each joint.
+    fn by_joint(&self) -> BTreeMap<usize, OnJoint<'_>> {
+        let mut joints: BTreeMap<usize, OnJoint> = BTreeMap::new();
+        for mixed in self.model.iter() {
+            joints.entry(mixed.joint).or_default().mixed = Some(mixed);
+        }
         for block in &self.blocks {
-            joints.entry(block.joint).or_default().push(block);
+            joints.entry(block.joint).or_default().blocks.push(block);
         }
         joints
     }
+}
+
+/// Directions on one joint.
+#[derive(Default)]
+struct OnJoint<'a> {
+    mixed: Option<&'a Mixed>,
+    blocks: Vec<&'a Block>,
 }
 
 /// Which of `columns` act on a joint, and their values there, one column after the other.

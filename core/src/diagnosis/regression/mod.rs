@@ -6,11 +6,13 @@
 
 mod basis;
 mod column;
+mod factors;
 mod score;
 mod solution;
 
 pub use column::{Column, rms};
 pub(crate) use column::{combined, joints_of};
+pub(crate) use factors::{Factored, JointFactors, OfJoint};
 pub use score::Projection;
 pub(crate) use score::Test;
 pub(crate) use score::{fisher, log_survival};

@@ -1,7 +1,9 @@
 //! Score tests of candidate columns against the residual of a fit.
 
-use super::basis::Basis;
+use super::basis::{Basis, Mixed};
 use super::column::Column;
+use super::factors::{Factored, OfJoint};
+use crate::linear::{OrthonormalBasis, subtract_product};
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 use statrs::function::gamma::ln_gamma;
@@ -38,6 +40,28 @@ impl Projection {
         let mut fit = Projection { basis: Basis::default(), known: 0, residual: torque.clone() };
         fit.extend(columns);
         fit
+    }
+
+    /// The same of a regression that is factored joint by joint.
+    pub(crate) fn of(factored: &Factored) -> Self {
+        let (columns, torque) = factored.condensed();
+        let columns: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
+        let OrthonormalBasis { directions, .. } = OrthonormalBasis::new(&columns, INDEPENDENT);
+        let mix = DMatrix::from_fn(torque.len(), directions.len(), |row, k| directions[k][row]);
+        let fitted = &mix * mix.tr_mul(&torque);
+        let mut first = 0;
+        let (mut residual, mut model) = (Column::default(), Vec::new());
+        for OfJoint { joint, factors, weight, .. } in &factored.joints {
+            let mut left: Vec<f64> = factors.torque().iter().map(|x| weight * x).collect();
+            let count = factors.directions().len().checked_div(factors.rows()).unwrap_or(0);
+            let own = DMatrix::from_column_slice(count, 1, fitted.rows(first, count).as_slice());
+            subtract_product(&mut left, factors.directions(), factors.rows(), &own);
+            residual.parts.push((*joint, left));
+            let mix = mix.rows(first, count).into_owned();
+            model.push(Mixed { joint: *joint, factors: factors.clone(), mix });
+            first += count;
+        }
+        Projection { basis: Basis::of_model(model, directions.len()), known: 0, residual }
     }
 
     /// The same fit with more columns.
@@ -225,6 +249,9 @@ pub(crate) fn fisher(log_p: impl IntoIterator<Item = f64>) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::diagnosis::regression::basis::on_joint;
+    use crate::diagnosis::regression::factors::JointFactors;
+    use std::sync::Arc;
 
     fn wave(k: usize, rows: usize) -> Column {
         Column::on(0, (0..rows).map(|t| (k as f64 * t as f64 * std::f64::consts::PI / rows as f64).cos()).collect())
@@ -265,6 +292,50 @@ mod tests {
         assert!((test.std[0] * perpendicular.sqrt() - 1.0).abs() < 1e-9);
         assert!(fit.test(std::slice::from_ref(&base)).is_none() && fit.test(&[]).is_none());
         assert!(fit.with(&[extra]).left() < 1e-18 * torque.dot(&torque));
+    }
+
+    /// Columns on two joints, one of them on both and one a multiple of another: the fit is that of all rows at once.
+    #[test]
+    fn factors_of_joints_give_the_fit_of_all_rows() {
+        let rows = [60, 40];
+        let part = |joint: usize, k: usize| wave(k, rows[joint]).parts.remove(0).1;
+        let on = |joint, k| Column::on(joint, part(joint, k));
+        let both = Column::of(vec![(0, part(0, 2)), (1, part(1, 5))]);
+        let mut multiple = on(0, 1);
+        multiple.scale(-2.0);
+        let columns = [on(0, 1), both, multiple, on(1, 4)];
+        let mut torque = Column::of(vec![(0, part(0, 7)), (1, part(1, 3))]);
+        columns.iter().for_each(|column| torque.add(0.8, column));
+        let weights = [1.0, 0.5];
+        let weighed = |column: &Column| {
+            let mut column = column.clone();
+            column.parts.iter_mut().for_each(|(joint, values)| values.iter_mut().for_each(|x| *x *= weights[*joint]));
+            column
+        };
+        let of_all_rows = Projection::new(&columns.each_ref().map(weighed), &weighed(&torque));
+        let joints = (0..2).map(|joint| {
+            let (places, values) = on_joint(&columns, joint);
+            let factors = Arc::new(JointFactors::new(values, torque.part(joint).unwrap().to_vec()));
+            OfJoint { joint, places, factors, weight: weights[joint] }
+        });
+        let of_factors = Projection::of(&Factored { columns: columns.len(), joints: joints.collect() });
+
+        let close = |a: &Column, b: &Column| {
+            let mut difference = a.clone();
+            difference.add(-1.0, b);
+            assert!(difference.dot(&difference) < 1e-20, "{difference:?}");
+        };
+        close(&of_factors.residual, &of_all_rows.residual);
+        assert_eq!(of_factors.basis().len(), 3);
+        of_factors.basis().iter().zip(&of_all_rows.basis()).for_each(|(a, b)| close(a, b));
+        let more = [Column::of(vec![(0, part(0, 9)), (1, part(1, 6))]), on(1, 8)];
+        let rests = [&of_factors, &of_all_rows].map(|fit| fit.left_of(more.to_vec()));
+        rests[0].iter().zip(&rests[1]).for_each(|(a, b)| close(a, b));
+        let tests = [&of_factors, &of_all_rows].map(|fit| fit.test(&more).unwrap());
+        assert!((tests[0].statistic - tests[1].statistic).abs() < 1e-10);
+        assert!((&tests[0].along - &tests[1].along).norm() < 1e-12);
+        let further = [&of_factors, &of_all_rows].map(|fit| fit.with(&more).left());
+        assert!((further[0] - further[1]).abs() < 1e-10);
     }
 
     /// What is known of a factor beforehand is one more observation: with one of zero, a norm of 2 gives 4 / (4 + 1 / spread^2) of it.

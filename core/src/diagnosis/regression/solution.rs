@@ -2,6 +2,7 @@
 
 use super::basis::on_joint;
 use super::column::{Column, joints_of};
+use super::factors::{Factored, OfJoint};
 use crate::linear::gram_matrix;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use rayon::prelude::*;
@@ -135,13 +136,13 @@ impl Solved {
 /// Normal equations of a fit joint by joint, so that each joint's rows can be weighed anew without going through them again.
 #[derive(Debug)]
 pub(crate) struct JointEquations {
-    joints: Vec<OfJoint>,
+    joints: Vec<EquationsOfJoint>,
     columns: usize,
 }
 
 /// Those of one joint.
 #[derive(Debug)]
-struct OfJoint {
+struct EquationsOfJoint {
     joint: usize,
     /// Columns that act on it.
     places: Vec<usize>,
@@ -152,30 +153,34 @@ struct OfJoint {
 }
 
 impl JointEquations {
-    /// Of a fit of whitened `torque` by whitened `columns`.
-    pub(crate) fn new(columns: &[Column], torque: &Column) -> Self {
-        let of_joint = |(joint, torque): &(usize, Vec<f64>)| {
-            let (places, values) = on_joint(columns, *joint);
-            let torque = DVector::from_column_slice(torque);
-            let matrix = DMatrix::from_vec(torque.len(), places.len(), values);
-            let (gram, right) = (gram_matrix(&matrix), matrix.tr_mul(&torque));
-            OfJoint { joint: *joint, places, gram, right, square: torque.norm_squared() }
+    /// Of a regression that is factored joint by joint.
+    pub(crate) fn new(factored: &Factored) -> Self {
+        let of_joint = |OfJoint { joint, places, factors, weight }: &OfJoint| {
+            let (gram, right, square) = factors.normal();
+            let weight = weight * weight;
+            let (joint, places) = (*joint, places.clone());
+            EquationsOfJoint { joint, places, gram: gram * weight, right: right * weight, square: square * weight }
         };
-        JointEquations { joints: torque.parts.par_iter().map(of_joint).collect(), columns: columns.len() }
+        JointEquations { joints: factored.joints.par_iter().map(of_joint).collect(), columns: factored.columns }
+    }
+
+    /// The least-squares solution, where each joint's noise is `factor` times stronger.
+    pub(crate) fn solved(&self, factor: impl Fn(usize) -> f64) -> Solved {
+        let mut normal = DMatrix::zeros(self.columns, self.columns);
+        let mut right = DVector::zeros(self.columns);
+        for EquationsOfJoint { joint, places, gram, right: own, .. } in &self.joints {
+            let weight = factor(*joint).powi(-2);
+            places.iter().zip(own.iter()).for_each(|(&column, own)| right[column] += weight * own);
+            add_at(&mut normal, places, gram, weight);
+        }
+        solve_normal(normal, right)
     }
 
     /// Sum of squares that the fit leaves of each joint, where its noise is `factors` times stronger, in units of that noise.
     pub(crate) fn squared_residuals(&self, factors: &[f64]) -> Vec<f64> {
-        let mut normal = DMatrix::zeros(self.columns, self.columns);
-        let mut right = DVector::zeros(self.columns);
-        for OfJoint { joint, places, gram, right: own, .. } in &self.joints {
-            let weight = factors[*joint].powi(-2);
-            places.iter().zip(own.iter()).for_each(|(&column, own)| right[column] += weight * own);
-            add_at(&mut normal, places, gram, weight);
-        }
-        let values = solve_normal(normal, right).values;
+        let values = self.solved(|joint| factors[joint]).values;
         let mut squares = vec![0.0; factors.len()];
-        for OfJoint { joint, places, gram, right, square } in &self.joints {
+        for EquationsOfJoint { joint, places, gram, right, square } in &self.joints {
             let own = DVector::from_iterator(places.len(), places.iter().map(|&place| values[place]));
             let left = square - 2.0 * own.dot(right) + own.dot(&(gram * &own));
             squares[*joint] = left.max(0.0) * factors[*joint].powi(-2);
@@ -209,6 +214,8 @@ fn add_at(all: &mut DMatrix<f64>, places: &[usize], own: &DMatrix<f64>, weight: 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::diagnosis::regression::JointFactors;
+    use std::sync::Arc;
 
     /// The second and third column are one, the fourth is nothing.
     fn solved() -> Solved {
@@ -273,7 +280,11 @@ mod tests {
         // One factor of both joints: 1 by the first, whose four rows scatter by 1, and 3 by the second.
         let columns = [Column::of(vec![(0, vec![1.0; 4]), (1, vec![1.0; 2])])];
         let torque = Column::of(vec![(0, vec![0.0, 2.0, 0.0, 2.0]), (1, vec![3.0, 3.0])]);
-        let equations = JointEquations::new(&columns, &torque);
+        let own = |joint: usize| {
+            let [column, torque] = [&columns[0], &torque].map(|column| column.part(joint).unwrap().to_vec());
+            OfJoint { joint, places: vec![0], factors: Arc::new(JointFactors::new(column, torque)), weight: 1.0 }
+        };
+        let equations = JointEquations::new(&Factored { columns: 1, joints: vec![own(0), own(1)] });
         let close = |factors: [f64; 2], expected: [f64; 2]| {
             let left = equations.squared_residuals(&factors);
             assert!(left.iter().zip(expected).all(|(left, expected)| (left - expected).abs() < 1e-9), "{left:?}");

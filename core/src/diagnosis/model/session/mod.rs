@@ -13,7 +13,7 @@ use crate::diagnosis::model::member::Member;
 use crate::diagnosis::model::prepared::PreparedLogs;
 use crate::diagnosis::model::roles::{ENDS_OF_EVENT_S, is_event, is_level, is_shift, linear, shapes};
 use crate::diagnosis::noise::{NoiseMemory, Whitener};
-use crate::diagnosis::regression::{Column, JointEquations, Projection, Solved, combined, solve};
+use crate::diagnosis::regression::{Column, Projection, Solved, combined};
 use crate::effects::Placed;
 use crate::error::Result;
 use crate::identification::effect_model::Arm;
@@ -131,7 +131,7 @@ impl<'a> Session<'a> {
 
     /// A noise scaled up to the residual.
     fn scaled(&self, whitener: Whitener, present: &[Column]) -> Whitener {
-        let equations = JointEquations::new(&whitener.apply_all(present), &whitener.apply(&self.logs.train.torque));
+        let equations = whitener.equations(present, &self.logs.train.torque);
         let counts = whitener.rows();
         let mut factors = vec![1.0; counts.len()];
         for _ in 0..MISFIT_ROUNDS {
@@ -152,7 +152,7 @@ impl<'a> Session<'a> {
     /// If a log is too short to differentiate.
     pub(crate) fn solved(&self, members: &[Member], whitener: &Whitener) -> Result<Solved> {
         let columns = self.model.columns(&self.logs.train, members)?;
-        Ok(solve(&whitener.apply_all(&columns), &whitener.apply(&self.logs.train.torque)))
+        Ok(whitener.solve(&columns, &self.logs.train.torque))
     }
 
     /// Solves for all parameters with the members in the model and writes the estimates back; the arm takes its own, and with it
@@ -303,6 +303,6 @@ impl<'a> Session<'a> {
         let mut before = rows.clone();
         before.valid.iter_mut().for_each(|valid| valid[rows.changed_from()..].fill(false));
         let whitener = whitener.on(&before);
-        solve(&whitener.apply_all(baseline), &whitener.apply(torque)).values
+        whitener.solve(baseline, torque).values
     }
 }

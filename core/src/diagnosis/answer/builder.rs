@@ -3,13 +3,13 @@
 use super::conclusion::conclude;
 use super::diagnosis::Diagnosis;
 use super::equations::{Observed, observed};
+use super::mounting::refined_gravity;
 use super::outcome::{Answer, Outcome};
 use crate::diagnosis::Options;
 use crate::diagnosis::logs::{
     CleanLogs, Consequence, GivenLog, Screened, all_faults, check_held_out, check_length, correct, refuse_twice,
     screen_all, screen_in_own_units, shared_verdict, still_joints,
 };
-use crate::diagnosis::search::Found;
 use crate::diagnosis::watch::{Progress, Watch};
 use crate::effects::Placed;
 use crate::error::{Error, Result};
@@ -17,7 +17,6 @@ use crate::identification::effect_model::Trust;
 use crate::quality::descriptions::{Change, words};
 use crate::quality::{Kind, UnitChanges};
 use crate::robot::Robot;
-use nalgebra::Vector3;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
@@ -246,14 +245,14 @@ impl<'a> DiagnosisBuilder<'a> {
             return Ok(Answer { robot, alpha, logs, faults, description, units, outcome: Outcome::Stopped });
         }
         let input = logs.input(present);
-        let Observed { model, left_out } = observed(&robot, &input, &still, options.criteria.levels.misfit)?;
+        let observe = |robot: &Robot| observed(robot, &input, &still, options.criteria.levels.misfit);
+        let Observed { mut model, left_out } = observe(&robot)?;
         faults.extend(left_out);
         watch.tell(Progress::Screened);
-        let mut concluded = conclude(&model, &input, &options, &mut watch)?;
-        let corrected = robot.gravity != self.robot.gravity;
-        let remaining = tilted(&robot, &concluded.diagnosis.found).filter(|_| corrected && !watch.is_over());
-        let refined;
-        if let Some(gravity) = remaining {
+        // A direction of gravity that was corrected is an axis of the base, and bases are not exactly level.
+        if robot.gravity != self.robot.gravity
+            && let Some(gravity) = refined_gravity(&model, &input, &options)?
+        {
             robot.gravity = gravity;
             if let Some(verdict) = &mut description {
                 verdict.description = verdict.description.with_gravity(gravity);
@@ -261,21 +260,10 @@ impl<'a> DiagnosisBuilder<'a> {
             let words = format!("; refined by the diagnosis: {}", words(Change::Gravity(gravity.into()), &[]));
             let mountings = faults.iter_mut().filter(|fault| fault.kind == Kind::Mounting);
             mountings.for_each(|fault| fault.text.push_str(&words));
-            refined = observed(&robot, &input, &still, options.criteria.levels.misfit)?.model;
-            concluded = conclude(&refined, &input, &options, &mut watch)?;
+            Observed { model, .. } = observe(&robot)?;
         }
+        let concluded = conclude(&model, &input, &options, &mut watch)?;
         let outcome = Outcome::Concluded(Box::new(concluded.into_conclusion(&input.train, &truth)?));
         Ok(Answer { robot, alpha, logs, faults, description, units, outcome })
     }
-}
-
-/// The gravity under a tilt of the base that was found: where the direction of gravity was corrected, what the correction rounded.
-fn tilted(robot: &Robot, found: &[Found]) -> Option<Vector3<f64>> {
-    let under = |found: &Found| {
-        let Placed { effect, joint, parameters } = &found.member.placed;
-        let mut altered = robot.clone();
-        effect.alter(parameters, *joint, &mut altered);
-        altered.gravity
-    };
-    found.iter().map(under).find(|gravity| *gravity != robot.gravity)
 }

@@ -12,6 +12,7 @@ mod equations;
 mod extended;
 mod findings;
 mod inertias;
+mod mounting;
 mod not_found;
 pub(crate) mod notices;
 mod outcome;

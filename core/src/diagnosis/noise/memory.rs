@@ -13,7 +13,7 @@ use twox_hash::xxhash3_128;
 const NOISES: usize = 400;
 
 /// Values of factors that are kept, 8 bytes each, and about how many factors that are.
-const VALUES: u64 = 16_000_000;
+const VALUES: u64 = 12_000_000;
 const FACTORS: usize = 200;
 
 /// Noises and regressions of joints by what they were estimated from. They are functions of that alone: what is remembered changes no

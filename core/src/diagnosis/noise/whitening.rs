@@ -73,7 +73,7 @@ impl Whitener {
 
     /// Its normal equations, joint by joint.
     pub(crate) fn equations(&self, columns: &[Column], torque: &Column) -> JointEquations {
-        JointEquations::new(&self.factored(columns, torque))
+        JointEquations::new(self.factored(columns, torque))
     }
 
     fn factored(&self, columns: &[Column], torque: &Column) -> Factored {

@@ -4,21 +4,40 @@
 //! give those of all rows from the small triangles alone (as tall-skinny QR does: Demmel, Grigori, Hoemmen and Langou, SIAM Journal on
 //! Scientific Computing 34, 2012). What changes on one joint leaves the factors of the others as they are.
 
-use crate::linear::{product_of, thin_qr};
+use crate::linear::{inner_product, product_of, thin_qr};
 use nalgebra::{DMatrix, DVector};
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
-/// QR factors of the whitened columns that act on one joint, and the whitened torque there.
+/// The whitened columns that act on one joint and the whitened torque there, with what a regression takes of them: normal equations and QR
+/// factors, each worked out once it is asked for.
 #[derive(Debug)]
 pub(crate) struct JointFactors {
-    rows: usize,
-    /// Columns that are not finite; they are zero in the factors.
+    /// One after the other; those that are not finite are zero.
+    columns: Vec<f64>,
     unsound: Vec<usize>,
+    torque: Vec<f64>,
+    normal: OnceLock<Normal>,
+    qr: OnceLock<Factors>,
+}
+
+/// Normal equations of a joint.
+#[derive(Debug)]
+pub(super) struct Normal {
+    /// Inner products of the columns with each other.
+    pub gram: DMatrix<f64>,
+    /// Those with the torque.
+    pub right: DVector<f64>,
+    /// That of the torque with itself.
+    pub square: f64,
+}
+
+/// QR factors of a joint.
+#[derive(Debug)]
+struct Factors {
     /// Orthonormal directions, one after the other.
     directions: Vec<f64>,
     /// Parts of the columns along the directions, `[direction][column]`.
     triangle: DMatrix<f64>,
-    torque: Vec<f64>,
     /// Parts of the torque along the directions.
     along: DVector<f64>,
 }
@@ -26,32 +45,24 @@ pub(crate) struct JointFactors {
 impl JointFactors {
     /// Of `columns`, one after the other, each as long as the `torque`.
     pub(crate) fn new(mut columns: Vec<f64>, torque: Vec<f64>) -> Self {
-        let rows = torque.len();
         let mut unsound = Vec::new();
-        for (place, column) in columns.chunks_exact_mut(rows.max(1)).enumerate() {
+        for (place, column) in columns.chunks_exact_mut(torque.len().max(1)).enumerate() {
             if !column.iter().all(|x| x.is_finite()) {
                 column.fill(0.0);
                 unsound.push(place);
             }
         }
-        let (directions, triangle) = thin_qr(&columns, rows);
-        let along = product_of(&directions, &torque, rows, [triangle.nrows(), 1]);
-        JointFactors { rows, unsound, directions, along: along.column(0).into_owned(), triangle, torque }
+        JointFactors { columns, unsound, torque, normal: OnceLock::new(), qr: OnceLock::new() }
     }
 
-    /// Number of values held.
+    /// Most values that it comes to hold.
     pub(crate) fn size(&self) -> usize {
-        self.directions.len() + self.triangle.len() + 2 * self.torque.len()
+        2 * self.columns.len() + 2 * self.torque.len()
     }
 
     /// Number of rows.
     pub(super) fn rows(&self) -> usize {
-        self.rows
-    }
-
-    /// Orthonormal directions, one after the other.
-    pub(super) fn directions(&self) -> &[f64] {
-        &self.directions
+        self.torque.len()
     }
 
     /// The whitened torque.
@@ -59,10 +70,27 @@ impl JointFactors {
         &self.torque
     }
 
-    /// Inner products of the columns with each other, those with the torque, and that of the torque with itself.
-    pub(super) fn normal(&self) -> (DMatrix<f64>, DVector<f64>, f64) {
-        let square = self.torque.iter().map(|x| x * x).sum();
-        (self.triangle.tr_mul(&self.triangle), self.triangle.tr_mul(&self.along), square)
+    /// Orthonormal directions, one after the other.
+    pub(super) fn directions(&self) -> &[f64] {
+        &self.qr().directions
+    }
+
+    /// The normal equations.
+    pub(super) fn normal(&self) -> &Normal {
+        self.normal.get_or_init(|| {
+            let (rows, count) = (self.rows(), self.columns.len().checked_div(self.rows()).unwrap_or(0));
+            let gram = product_of(&self.columns, &self.columns, rows, [count, count]);
+            let right = product_of(&self.columns, &self.torque, rows, [count, 1]).column(0).into_owned();
+            Normal { gram, right, square: inner_product(&self.torque, &self.torque) }
+        })
+    }
+
+    fn qr(&self) -> &Factors {
+        self.qr.get_or_init(|| {
+            let (directions, triangle) = thin_qr(&self.columns, self.rows());
+            let along = product_of(&directions, &self.torque, self.rows(), [triangle.nrows(), 1]);
+            Factors { directions, triangle, along: along.column(0).into_owned() }
+        })
     }
 }
 
@@ -92,16 +120,17 @@ impl Factored {
     /// Columns and torque over the directions of all joints instead of over the rows, `[column][direction]`; a column that is not finite
     /// somewhere is zero throughout.
     pub(super) fn condensed(&self) -> (Vec<Vec<f64>>, DVector<f64>) {
-        let directions: usize = self.joints.iter().map(|own| own.factors.triangle.nrows()).sum();
+        let directions: usize = self.joints.iter().map(|own| own.factors.qr().triangle.nrows()).sum();
         let mut columns = vec![vec![0.0; directions]; self.columns];
         let mut torque = DVector::zeros(directions);
         let mut first = 0;
         for OfJoint { places, factors, weight, .. } in &self.joints {
-            let count = factors.triangle.nrows();
-            for (&place, part) in places.iter().zip(factors.triangle.column_iter()) {
+            let Factors { triangle, along, .. } = factors.qr();
+            let count = triangle.nrows();
+            for (&place, part) in places.iter().zip(triangle.column_iter()) {
                 columns[place][first..first + count].iter_mut().zip(part.iter()).for_each(|(x, y)| *x = weight * y);
             }
-            torque.rows_mut(first, count).copy_from(&(&factors.along * *weight));
+            torque.rows_mut(first, count).copy_from(&(along * *weight));
             first += count;
         }
         let unsound = self.joints.iter().flat_map(|own| own.factors.unsound.iter().map(|&place| own.places[place]));
@@ -118,10 +147,13 @@ mod tests {
     fn factors_have_the_inner_products_of_the_columns() {
         let columns = vec![1.0, 2.0, -1.0, 0.5, 0.0, 3.0];
         let factors = JointFactors::new(columns, vec![2.0, 1.0, 1.0]);
-        let (gram, right, square) = factors.normal();
+        let Normal { gram, right, square } = factors.normal();
         let expected = DMatrix::from_row_slice(2, 2, &[6.0, -2.5, -2.5, 9.25]);
-        assert!((gram - expected).norm() < 1e-14 && square == 6.0);
+        assert!((gram - &expected).norm() < 1e-14 && *square == 6.0);
         assert!((right - DVector::from_vec(vec![3.0, 4.0])).norm() < 1e-14);
+        let Factors { triangle, along, .. } = factors.qr();
+        assert!((triangle.tr_mul(triangle) - expected).norm() < 1e-14);
+        assert!((triangle.tr_mul(along) - right).norm() < 1e-14);
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use super::basis::on_joint;
 use super::column::{Column, joints_of};
-use super::factors::{Factored, OfJoint};
+use super::factors::{Factored, Normal, OfJoint};
 use crate::linear::gram_matrix;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use rayon::prelude::*;
@@ -135,55 +135,40 @@ impl Solved {
 
 /// Normal equations of a fit joint by joint, so that each joint's rows can be weighed anew without going through them again.
 #[derive(Debug)]
-pub(crate) struct JointEquations {
-    joints: Vec<EquationsOfJoint>,
-    columns: usize,
-}
-
-/// Those of one joint.
-#[derive(Debug)]
-struct EquationsOfJoint {
-    joint: usize,
-    /// Columns that act on it.
-    places: Vec<usize>,
-    /// Their inner products, those with the torque, and that of the torque with itself.
-    gram: DMatrix<f64>,
-    right: DVector<f64>,
-    square: f64,
-}
+pub(crate) struct JointEquations(Factored);
 
 impl JointEquations {
     /// Of a regression that is factored joint by joint.
-    pub(crate) fn new(factored: &Factored) -> Self {
-        let of_joint = |OfJoint { joint, places, factors, weight }: &OfJoint| {
-            let (gram, right, square) = factors.normal();
-            let weight = weight * weight;
-            let (joint, places) = (*joint, places.clone());
-            EquationsOfJoint { joint, places, gram: gram * weight, right: right * weight, square: square * weight }
-        };
-        JointEquations { joints: factored.joints.par_iter().map(of_joint).collect(), columns: factored.columns }
+    pub(crate) fn new(factored: Factored) -> Self {
+        factored.joints.par_iter().for_each(|own| {
+            own.factors.normal();
+        });
+        JointEquations(factored)
     }
 
     /// The least-squares solution, where each joint's noise is `factor` times stronger.
     pub(crate) fn solved(&self, factor: impl Fn(usize) -> f64) -> Solved {
-        let mut normal = DMatrix::zeros(self.columns, self.columns);
-        let mut right = DVector::zeros(self.columns);
-        for EquationsOfJoint { joint, places, gram, right: own, .. } in &self.joints {
-            let weight = factor(*joint).powi(-2);
+        let Factored { columns, joints } = &self.0;
+        let mut normal = DMatrix::zeros(*columns, *columns);
+        let mut right = DVector::zeros(*columns);
+        for OfJoint { joint, places, factors, weight } in joints {
+            let Normal { gram, right: own, .. } = factors.normal();
+            let weight = (weight / factor(*joint)).powi(2);
             places.iter().zip(own.iter()).for_each(|(&column, own)| right[column] += weight * own);
             add_at(&mut normal, places, gram, weight);
         }
         solve_normal(normal, right)
     }
 
-    /// Sum of squares that the fit leaves of each joint, where its noise is `factors` times stronger, in units of that noise.
-    pub(crate) fn squared_residuals(&self, factors: &[f64]) -> Vec<f64> {
-        let values = self.solved(|joint| factors[joint]).values;
-        let mut squares = vec![0.0; factors.len()];
-        for EquationsOfJoint { joint, places, gram, right, square } in &self.joints {
+    /// Sum of squares that the fit leaves of each joint, where its noise is so many times `stronger`, in units of that noise.
+    pub(crate) fn squared_residuals(&self, stronger: &[f64]) -> Vec<f64> {
+        let values = self.solved(|joint| stronger[joint]).values;
+        let mut squares = vec![0.0; stronger.len()];
+        for OfJoint { joint, places, factors, weight } in &self.0.joints {
+            let Normal { gram, right, square } = factors.normal();
             let own = DVector::from_iterator(places.len(), places.iter().map(|&place| values[place]));
             let left = square - 2.0 * own.dot(right) + own.dot(&(gram * &own));
-            squares[*joint] = left.max(0.0) * factors[*joint].powi(-2);
+            squares[*joint] = left.max(0.0) * (weight / stronger[*joint]).powi(2);
         }
         squares
     }
@@ -284,7 +269,7 @@ mod tests {
             let [column, torque] = [&columns[0], &torque].map(|column| column.part(joint).unwrap().to_vec());
             OfJoint { joint, places: vec![0], factors: Arc::new(JointFactors::new(column, torque)), weight: 1.0 }
         };
-        let equations = JointEquations::new(&Factored { columns: 1, joints: vec![own(0), own(1)] });
+        let equations = JointEquations::new(Factored { columns: 1, joints: vec![own(0), own(1)] });
         let close = |factors: [f64; 2], expected: [f64; 2]| {
             let left = equations.squared_residuals(&factors);
             assert!(left.iter().zip(expected).all(|(left, expected)| (left - expected).abs() < 1e-9), "{left:?}");

@@ -5,7 +5,7 @@
 
 use super::comparison::{Chosen, Comparison, better_held_out, parameters, with_tangents};
 use crate::diagnosis::evidence::{Judged, log_p_adjusted};
-use crate::diagnosis::model::{Member, Session};
+use crate::diagnosis::model::{Member, Session, linear, shapes};
 use crate::error::Result;
 
 /// The winner of a comparison once held-out logs and simplicity are taken into account.
@@ -26,7 +26,7 @@ fn simplest(session: &Session, members: &[Member], chosen: Chosen, close: &[Judg
     let joints = winner.candidate.joints();
     let is_simpler = |rival: &&Judged| {
         rival.candidate.log == winner.candidate.log
-            && parameters(rival) < parameters(winner)
+            && complexity(rival) < complexity(winner)
             && rival.test.statistic > session.criteria.comparison.close * winner.test.statistic
             && rival.candidate.joints().iter().all(|joint| joints.contains(joint))
     };
@@ -34,7 +34,7 @@ fn simplest(session: &Session, members: &[Member], chosen: Chosen, close: &[Judg
     if simpler.is_empty() {
         return Ok(chosen);
     }
-    simpler.sort_by(|a, b| parameters(a).cmp(&parameters(b)).then(b.test.statistic.total_cmp(&a.test.statistic)));
+    simpler.sort_by(|a, b| complexity(a).cmp(&complexity(b)).then(b.test.statistic.total_cmp(&a.test.statistic)));
     let present = session.model.columns(&session.logs.train, members)?;
     let whitener = match &chosen.whitener {
         Some(whitener) => whitener.clone(),
@@ -50,4 +50,11 @@ fn simplest(session: &Session, members: &[Member], chosen: Chosen, close: &[Judg
         }
     }
     Ok(Chosen { whitener: Some(whitener), ..chosen })
+}
+
+/// Parameters that are fitted, and those of the law: one whose other amplitudes have a sign that cannot be is fitted with fewer than it has, and
+/// may then be the same as a simpler law.
+fn complexity(judged: &Judged) -> (usize, usize) {
+    let effect = judged.candidate.placed.effect;
+    (parameters(judged), linear(effect).len() + shapes(effect).len())
 }

@@ -18,6 +18,7 @@ use crate::effects::Placed;
 use crate::error::Result;
 use crate::identification::effect_model::Arm;
 use std::ops::Deref;
+use std::sync::Arc;
 
 /// Mean square of a joint's whitened residual up to which the noise is as large as the residual, and rounds of scaling it up to that: the
 /// iteration ends there. From where a joint is misfit is decided by [`crate::diagnosis::Levels::misfit`].
@@ -31,8 +32,8 @@ pub struct Session<'a> {
     state: State<'a>,
     /// Errors in variables along the training and the held-out logs: torque from errors of the positions, for the arm as last estimated.
     errors: [ErrorsInVariables; 2],
-    /// Noises estimated so far.
-    noises: NoiseMemory,
+    /// Noises estimated so far, here and over all logs.
+    noises: Arc<NoiseMemory>,
 }
 
 /// The logs, the model and the thresholds of a session.
@@ -67,7 +68,7 @@ impl<'a> Session<'a> {
     /// A model that is not yet fitted to the logs.
     pub(crate) fn unfitted(logs: PreparedLogs, model: ArmModel<'a>, criteria: Criteria) -> Self {
         let state = State { logs, model, criteria };
-        Session { state, errors: Default::default(), noises: NoiseMemory::default() }
+        Session { state, errors: Default::default(), noises: Arc::default() }
     }
 
     /// What it holds, at its end.
@@ -77,7 +78,8 @@ impl<'a> Session<'a> {
 
     /// The same with all logs to identify from.
     pub(crate) fn over_all_logs(&self) -> Session<'a> {
-        Self::unfitted(self.logs.pooled(), self.model.clone(), self.criteria)
+        let pooled = Self::unfitted(self.logs.pooled(), self.model.clone(), self.criteria);
+        Session { noises: self.noises.clone(), ..pooled }
     }
 
     /// Errors in variables along a data set of this session.

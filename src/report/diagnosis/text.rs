@@ -60,7 +60,7 @@ pub(crate) fn lines(
             _ if diagnosis.scope.against_reference => "Changed by",
             _ => "Add to the model:",
         };
-        let open = if finding.size_told { String::new() } else { format!(" Note: {NOT_SIZED}.") };
+        let open = if finding.is_sized { String::new() } else { format!(" Note: {NOT_SIZED}.") };
         lines.push(format!("  {verb} {change} ({EXTENDED_SCENARIO} has it). {}{open}", finding.explanation));
         let values: Vec<f64> = finding.parameters.iter().map(|parameter| parameter.value).collect();
         let turned = gravity::direction(robot, finding.effect, &values).filter(|_| !diagnosis.scope.against_reference);
@@ -175,7 +175,7 @@ fn fault_lines(faults: &[DataFault]) -> Vec<String> {
             let what = match consequence {
                 Consequence::Stops => "Fault of the data",
                 Consequence::LeftOut => "Left out",
-                Consequence::Told => "Note",
+                Consequence::Noted => "Note",
                 Consequence::Corrected => "Corrected",
             };
             format!("{what}: {}: {place}: {text}", logs.join(", "))

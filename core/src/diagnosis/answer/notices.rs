@@ -85,7 +85,7 @@ pub(crate) fn sampling(robot: &Robot, diagnosis: &Diagnosis) -> Option<String> {
     (!each.is_empty()).then(|| {
         let each = each.join(", ");
         format!(
-            "{each}: less than a sample, as sampling makes it; it is included in the model, not reported as a finding"
+            "{each}: less than a sample, as sampling causes it; it is included in the model, not reported as a finding"
         )
     })
 }

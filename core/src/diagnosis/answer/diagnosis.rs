@@ -36,7 +36,7 @@ pub struct OfSampling {
 }
 
 impl OfSampling {
-    /// Of a delay or a lag, as it was found.
+    /// The figures of a delay or a lag, as it was found.
     pub(super) fn new(member: &Member) -> Self {
         let Member { placed, std, .. } = member;
         let joint = (placed.effect.about().nature == Nature::Lag).then_some(placed.joint);
@@ -296,10 +296,10 @@ fn predicts(found: &Found, noise: &[f64], criteria: &Criteria) -> Judgement {
     Judgement::at_most(Gate::Predicts, after / before, criteria.worse().powi(2)).or(after <= before)
 }
 
-/// Whether a delay or a lag is more than sampling makes: torque that is held over a step is half a sample late, and read at the other end of
-/// it than the positions it is another half sample away. Logs may be slower than the loop that holds the torque: what is longer than half a
-/// servo cycle is of the sampling as long as it adds less than the `noise` to the held-out torque of every joint, root mean square. None for
-/// all other effects.
+/// Whether a delay or a lag is more than sampling makes: torque that is held over a step is half a sample late, and read at the other end
+/// of it than the positions it is another half sample away. Logs may be slower than the loop that holds the torque: what is longer than
+/// half a servo cycle is of the sampling as long as it adds less than the `noise` to the held-out torque of every joint, root mean square.
+/// None for all other effects.
 ///
 /// # Errors
 /// If a log is too short to differentiate.

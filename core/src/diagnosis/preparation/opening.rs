@@ -95,10 +95,10 @@ pub(crate) fn prepare<'a>(
 }
 
 impl Session<'_> {
-    /// Frees what the motion of each joint in its band does to the torque, by one factor: as far as that is noise of the encoder, columns of
-    /// accelerations that hold it attenuate every estimate (errors in variables; Fuller, Measurement Error Models, 1987). What its controller
-    /// makes of that noise is free, too, unless the held-out logs contradict what the training logs estimate: a controller answers in the
-    /// same way in all of them (`fit` is that without these columns).
+    /// Frees what the motion of each joint in its band does to the torque, by one factor: as far as that is noise of the encoder, columns
+    /// of accelerations that hold it attenuate every estimate (errors in variables; Fuller, Measurement Error Models, 1987). What its
+    /// controller makes of that noise is free, too, unless the held-out logs contradict what the training logs estimate: a controller
+    /// answers in the same way in all of them (`fit` is that without these columns).
     fn free_noise_of_encoders(&mut self, seen_hz: f64, fit: &Fit) -> Result<()> {
         let dof = self.model.base.dof();
         let of_joints = |data: &DataSet| -> Result<Vec<Column>> {
@@ -122,7 +122,7 @@ impl Session<'_> {
         Ok(())
     }
 
-    /// Of `joints` those on which the held-out logs contradict what the training logs estimate of columns `of` them along both, added to
+    /// Those of `joints` on which the held-out logs contradict what the training logs estimate of columns `of` them along both, added to
     /// `fit`.
     fn contradicted(
         &self,

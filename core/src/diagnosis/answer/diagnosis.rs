@@ -40,7 +40,7 @@ impl OfSampling {
     pub(super) fn new(member: &Member) -> Self {
         let Member { placed, std, .. } = member;
         let joint = (placed.effect.about().nature == Nature::Lag).then_some(placed.joint);
-        OfSampling { joint, seconds: [placed.parameters[0], std[0]] }
+        OfSampling { joint, seconds: [placed.amount(), std[placed.amount_index()]] }
     }
 }
 
@@ -309,7 +309,7 @@ pub(super) fn beyond_sampling(session: &Session, found: &Found, noise: &[f64]) -
         return Ok(None);
     }
     let Criteria { levels, verdict, .. } = &session.criteria;
-    let time_s = placed.parameters[0].abs();
+    let time_s = placed.amount().abs();
     let test = &session.logs.test.rows;
     let added = session.model.arm.added_throughout(std::slice::from_ref(placed), test)?;
     let size = rms(&test.valid, &added[0]).iter().zip(noise).map(|(added, noise)| added / noise).fold(0.0, f64::max);

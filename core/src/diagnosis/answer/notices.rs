@@ -42,7 +42,7 @@ pub fn shown(robot: &Robot, diagnosis: &Diagnosis) -> Vec<String> {
 }
 
 /// Notice on logs that follow the motions of the reference logs.
-pub(crate) fn equal_states(diagnosis: &Diagnosis) -> Option<String> {
+pub(super) fn equal_states(diagnosis: &Diagnosis) -> Option<String> {
     diagnosis.scope.equal_states.map(|share| {
         format!(
             "the logs follow the motions of the reference logs: {:.0} % of the rows have an equal state there, and residuals are differences \
@@ -53,7 +53,7 @@ pub(crate) fn equal_states(diagnosis: &Diagnosis) -> Option<String> {
 }
 
 /// Notice on a search that was ended before it was done.
-pub(crate) fn unfinished(diagnosis: &Diagnosis) -> Option<String> {
+pub(super) fn unfinished(diagnosis: &Diagnosis) -> Option<String> {
     diagnosis.unfinished.then(|| {
         "the search ended early: effects and alternatives may be missing. Repeat it with a longer --budget, or without one"
             .to_owned()
@@ -61,7 +61,7 @@ pub(crate) fn unfinished(diagnosis: &Diagnosis) -> Option<String> {
 }
 
 /// Notice on logs of several rates.
-pub(crate) fn mixed_rates(diagnosis: &Diagnosis) -> Option<String> {
+pub(super) fn mixed_rates(diagnosis: &Diagnosis) -> Option<String> {
     let each: Vec<String> = diagnosis.logs.rates_hz.iter().map(|hz| format!("{hz:.0}")).collect();
     (each.len() > 1).then(|| {
         format!(
@@ -73,7 +73,7 @@ pub(crate) fn mixed_rates(diagnosis: &Diagnosis) -> Option<String> {
 }
 
 /// Notice on delays and lags that are of the sampling.
-pub(crate) fn sampling(robot: &Robot, diagnosis: &Diagnosis) -> Option<String> {
+pub(super) fn sampling(robot: &Robot, diagnosis: &Diagnosis) -> Option<String> {
     let each = diagnosis.of_sampling.iter().map(|short| {
         let [time, std] = short.seconds.map(|seconds| significant(1e3 * seconds));
         match short.joint {
@@ -91,7 +91,7 @@ pub(crate) fn sampling(robot: &Robot, diagnosis: &Diagnosis) -> Option<String> {
 }
 
 /// Notice on friction that does not change its direction at once.
-pub(crate) fn smooth_friction(robot: &Robot, diagnosis: &Diagnosis) -> Option<String> {
+pub(super) fn smooth_friction(robot: &Robot, diagnosis: &Diagnosis) -> Option<String> {
     let rounding = &diagnosis.logs.coulomb_rounding;
     let each = robot.joints.iter().zip(rounding).filter(|(_, own)| own.width() > 0.0);
     let each: Vec<(&str, String)> = each
@@ -119,7 +119,7 @@ pub(crate) fn smooth_friction(robot: &Robot, diagnosis: &Diagnosis) -> Option<St
 }
 
 /// Notice where the training logs leave the model more open on the held-out logs than the noise.
-pub(crate) fn extrapolation(robot: &Robot, diagnosis: &Diagnosis) -> Option<String> {
+pub(super) fn extrapolation(robot: &Robot, diagnosis: &Diagnosis) -> Option<String> {
     let each = diagnosis.errors.prediction_std.iter().zip(&diagnosis.errors.noise_floor).zip(&robot.joints);
     let open = each.filter(|((std, noise), _)| std > noise).map(|((std, noise), joint)| match std.is_finite() {
         true => format!("{} (standard deviation {}, noise {})", joint.name, effort(joint, *std), effort(joint, *noise)),

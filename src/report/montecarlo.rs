@@ -5,24 +5,24 @@ use crate::study::check::{Report, Verdict};
 use crate::study::montecarlo::{Cell, Found, Row, Summary, Timings};
 use crate::study::testbed::Variant;
 
+/// Heads of the figures of every cell of a study.
+pub(super) const FIGURES: [&str; 11] = [
+    "noise q, rad",
+    "tau, N m",
+    "smoothing",
+    "estimator",
+    "d_beta 5 %",
+    "50 %",
+    "95 %",
+    "bias",
+    "biased",
+    "spread",
+    "coverage",
+];
+
 /// The table of a study, and the best window per noise level.
 pub(crate) fn summary(summary: &Summary, times: &Timings) -> String {
-    let header = [
-        "noise q, rad",
-        "tau, N m",
-        "smoothing",
-        "estimator",
-        "d_beta 5 %",
-        "50 %",
-        "95 %",
-        "bias",
-        "biased",
-        "spread",
-        "coverage",
-        "torque std / joint, N m",
-        "failed",
-        "ms",
-    ];
+    let header: Vec<&str> = FIGURES.into_iter().chain(["torque std / joint, N m", "failed", "ms"]).collect();
     let rows = summary.cells.iter().map(|cell| cell_row(cell, times)).collect();
     let part = if summary.trials == summary.trials_of_study {
         String::new()
@@ -68,10 +68,9 @@ pub(crate) fn summary(summary: &Summary, times: &Timings) -> String {
     text
 }
 
-fn cell_row(cell: &Cell, times: &Timings) -> Vec<String> {
+/// The figures of a cell but for its coverage.
+pub(super) fn figures(cell: &Cell) -> Vec<String> {
     let number = |value: Option<f64>| value.map_or("-".to_owned(), significant);
-    let percent = |value: Option<f64>| value.map_or("-".to_owned(), |v| format!("{} %", significant(100.0 * v)));
-    let torque: Vec<String> = cell.torque_std_nm.iter().map(|&std| significant(std)).collect();
     vec![
         noise(cell.encoder_rad),
         noise(cell.torque_nm),
@@ -83,11 +82,22 @@ fn cell_row(cell: &Cell, times: &Timings) -> Vec<String> {
         percent(cell.relative_bias),
         percent(cell.biased),
         percent(cell.relative_spread),
-        percent(cell.coverage),
-        torque.join(" "),
-        cell.failed.to_string(),
-        times.mean(cell.signals, cell.sg_window, &cell.estimator).map_or("-".to_owned(), |s| format!("{:.1}", 1e3 * s)),
     ]
+}
+
+/// The mean time of a fit in a table, ms.
+pub(super) fn milliseconds(cell: &Cell, times: &Timings) -> String {
+    times.mean(cell.signals, cell.sg_window, &cell.estimator).map_or("-".to_owned(), |s| format!("{:.1}", 1e3 * s))
+}
+
+fn percent(share: Option<f64>) -> String {
+    share.map_or("-".to_owned(), |share| format!("{} %", significant(100.0 * share)))
+}
+
+fn cell_row(cell: &Cell, times: &Timings) -> Vec<String> {
+    let torque: Vec<String> = cell.torque_std_nm.iter().map(|&std| significant(std)).collect();
+    let others = [percent(cell.coverage), torque.join(" "), cell.failed.to_string(), milliseconds(cell, times)];
+    figures(cell).into_iter().chain(others).collect()
 }
 
 /// A noise level in a table.

@@ -20,7 +20,7 @@ pub(crate) struct Identification {
     scenario: String,
     robot: String,
     joints: Vec<String>,
-    /// Of the quantities per joint whose names end in `_nm`: N for joints that slide.
+    /// Units of the quantities per joint whose names end in `_nm`: N for joints that slide.
     effort_units: Vec<&'static str>,
     seed: u64,
     estimator: &'static str,
@@ -56,7 +56,7 @@ pub(crate) struct Scores {
     scenario: String,
     robot: String,
     joints: Vec<String>,
-    /// Of the quantities per joint whose names end in `_nm`: N for joints that slide.
+    /// Units of the quantities per joint whose names end in `_nm`: N for joints that slide.
     effort_units: Vec<&'static str>,
     seed: u64,
     definitions: Definitions,
@@ -87,7 +87,7 @@ pub(crate) struct AtEffortLimit {
 }
 
 impl AtEffortLimit {
-    /// Of both runs of a scenario.
+    /// The results of both runs of a scenario.
     pub(crate) fn new(setup: &Setup, runs: &Runs) -> Self {
         AtEffortLimit {
             training: testbed::at_effort_limit(setup, &runs.training),

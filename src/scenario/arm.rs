@@ -37,11 +37,7 @@ impl Arm {
     /// # Errors
     /// Names file, line and key for anything that is missing, malformed, impossible or meant for another arm.
     pub fn load(path: impl AsRef<Path>, seed: Option<u64>) -> Result<Self> {
-        let path = path.as_ref();
-        let text = load::read(path)?;
-        let mut scenario = Scenario::parse(path, &text)?;
-        scenario.seed = seed.unwrap_or(scenario.seed);
-        Self::new(scenario, &Located::new(path, &text))
+        load::with_seed(path.as_ref(), seed, Self::new)
     }
 
     pub(super) fn new(scenario: Scenario, at: &Located) -> Result<Self> {

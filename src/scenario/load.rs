@@ -30,6 +30,21 @@ impl Scenario {
 }
 
 /// The text of a scenario file.
-pub(super) fn read(path: &Path) -> Result<String> {
+/// What `make` makes of the scenario in a file; `seed` replaces the scenario's seed where given.
+///
+/// # Errors
+/// Those of reading the scenario, and of `make`.
+pub(super) fn with_seed<T>(
+    path: &Path,
+    seed: Option<u64>,
+    make: impl FnOnce(Scenario, &Located) -> Result<T>,
+) -> Result<T> {
+    let text = read(path)?;
+    let mut scenario = Scenario::parse(path, &text)?;
+    scenario.seed = seed.unwrap_or(scenario.seed);
+    make(scenario, &Located::new(path, &text))
+}
+
+fn read(path: &Path) -> Result<String> {
     std::fs::read_to_string(path).map_err(|e| Error::io(path, "read the scenario", e))
 }

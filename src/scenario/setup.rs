@@ -63,11 +63,7 @@ impl Setup {
     /// Names file, line and key or joint for anything that is missing, malformed, impossible or meant for another arm,
     /// and for motions outside the limits.
     pub fn load(path: impl AsRef<Path>, seed: Option<u64>) -> Result<Self> {
-        let path = path.as_ref();
-        let text = load::read(path)?;
-        let mut scenario = Scenario::parse(path, &text)?;
-        scenario.seed = seed.unwrap_or(scenario.seed);
-        Self::new(scenario, &Located::new(path, &text))
+        load::with_seed(path.as_ref(), seed, Self::new)
     }
 
     /// The files the scenario refers to, under the names by which [`Setup::merged`] calls them.

@@ -24,8 +24,8 @@ use crate::robot::Robot;
 pub enum EngineKind {
     /// Rapier's articulated bodies.
     Rapier,
-    /// The project's own equations of motion: the same numbers to rounding, faster, and defined for parameters that are
-    /// no possible bodies, such as base parameters. They cannot take rapier's own time step.
+    /// The project's own equations of motion: the same numbers to rounding, faster, and defined for parameters that no body can have, such
+    /// as base parameters. They cannot take rapier's own time step.
     #[default]
     Recursive,
 }

@@ -146,7 +146,7 @@ impl<'a> Run<'a> {
         self.contacts[joint] = Contact::Stuck;
     }
 
-    /// Brings every joint to rest that has turned round.
+    /// Brings every joint to rest that has reversed.
     fn stop_reversed(&mut self) {
         while let Some(joint) = self.first_reversal(&self.state) {
             self.stop(joint);
@@ -169,7 +169,7 @@ impl<'a> Run<'a> {
         Rate::mean([&one, &two, &three, &four]).applied(&start, h)
     }
 
-    /// The sliding joint that has turned round farthest by `next`, if any.
+    /// The sliding joint that has reversed farthest by `next`, if any.
     fn first_reversal(&self, next: &State) -> Option<usize> {
         let against = |joint: usize| match self.contacts[joint] {
             Contact::Forward => -next.qd[joint],

@@ -55,8 +55,8 @@ PRINTED = [
     + \sin(\theta_5 - \theta_6)(\dot{\theta}_5\dot{\theta}_6 - \dot{\theta}_5^2)X_{71} + g \cos \theta_6 X_{76} + \operatorname{sgn}(\dot{\theta}_6)X_{77} + (\dot{\theta}_6)X_{78}""",
 ]
 
-# (equation, printed, mended); each printed text must occur exactly once.
-MENDS = [
+# (equation, printed, corrected); each printed text must occur exactly once.
+CORRECTIONS = [
     (4, r"(X_8 + X_9 + X_{10} + X_{11}) + X_{12})", r"(X_8 + X_9 + X_{10} + X_{11} + X_{12}))"),
     (5, r"\sin(\theta_1 - \theta_2)(\dot{\theta}_2^2 - \dot{\theta}_1\dot{\theta}_2)", r"\sin(\theta_1 - \theta_2)(\dot{\theta}_1\dot{\theta}_2 - \dot{\theta}_1^2)"),
     (5, r"(X_{37} + X_{36} + X_{35})", r"(X_{38} + X_{37} + X_{36} + X_{35})"),
@@ -142,15 +142,15 @@ def structure(evaluate):
 
 
 def main():
-    mended = list(PRINTED)
-    for equation, printed, used in MENDS:
-        assert mended[equation - 4].count(printed) == 1, (equation, printed)
-        mended[equation - 4] = mended[equation - 4].replace(printed, used)
-    printed, mended = ([compiled(e) for e in text] for text in (PRINTED, mended))
+    corrected = list(PRINTED)
+    for equation, printed, used in CORRECTIONS:
+        assert corrected[equation - 4].count(printed) == 1, (equation, printed)
+        corrected[equation - 4] = corrected[equation - 4].replace(printed, used)
+    printed, corrected = ([compiled(e) for e in text] for text in (PRINTED, corrected))
     variants = {
         "as_printed": lambda *s: regressor(printed, *s),
-        "consistent": lambda *s: regressor(mended, *s),
-        "euler_lagrange": lambda *s: euler_lagrange(mended, *s),
+        "consistent": lambda *s: regressor(corrected, *s),
+        "euler_lagrange": lambda *s: euler_lagrange(corrected, *s),
     }
     state = [
         np.array([0.3, -0.8, 1.1, 2.0, -1.7, 0.6]),
@@ -165,7 +165,7 @@ def main():
     m = mass_columns(printed, state[0])
     skew = np.abs(m - m.transpose(1, 0, 2)).max(axis=2) > 1e-12
     out["asymmetric_as_printed"] = [[int(i) + 1, int(j) + 1] for i, j in np.argwhere(skew) if i < j]
-    m = mass_columns(mended, state[0])
+    m = mass_columns(corrected, state[0])
     assert np.abs(m - m.transpose(1, 0, 2)).max() < 1e-15
     print(json.dumps(out, indent=None, separators=(", ", ": ")).replace('], "', '],\n"').replace('}, "', '},\n"'))
 

@@ -66,9 +66,9 @@ fn motor_currents_in_odd_units_come_to_the_joints() {
     assert_eq!(log.joints, ["a", "b"]);
     assert_close(&Channels::from_vectors(&[log.time]), &[&[0.0, 0.004]]);
     assert_close(&log.q, &[&[-PI / 2.0, 0.0], &[PI / 2.0, PI]]);
-    // 300 rpm over 50 is 6 rpm, turned round; 600 rpm over 100 too.
+    // 300 rpm over 50 is 6 rpm, sign reversed; 600 rpm over 100 too.
     assert_close(&log.qd.unwrap(), &[&[-0.2 * PI], &[0.2 * PI]]);
-    // -0.5 A x 0.2 N m/A x 50, turned round; 1.5 A x 0.2 x 100.
+    // -0.5 A x 0.2 N m/A x 50, sign reversed; 1.5 A x 0.2 x 100.
     assert_close(&log.tau, &[&[5.0], &[30.0]]);
 }
 

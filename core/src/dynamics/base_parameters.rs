@@ -158,7 +158,8 @@ impl BaseParameters {
         BaseParameters { kept, merged, regrouping, groupings }
     }
 
-    /// Of columns that are kept as they are, the `regrouping` of all columns into them, and columns that are merged into them.
+    /// The base parameters of columns that are kept as they are, the `regrouping` of all columns into them, and columns that are merged
+    /// into them.
     fn assembled(separate: &[usize], regrouping: &DMatrix<f64>, near: Vec<Kept>, names: &[String]) -> Self {
         let mut kept: Vec<usize> = separate.iter().copied().chain(near.iter().map(|near| near.column)).collect();
         kept.sort_unstable();

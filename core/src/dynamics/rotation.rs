@@ -81,12 +81,12 @@ impl Fixed {
 }
 
 impl Rotation {
-    /// Of a prismatic joint.
+    /// The rotation of a prismatic joint.
     pub(super) fn fixed(origin: Matrix3<f64>) -> Self {
         Rotation { before: Fixed::new(origin), turn: None, reversed: false, after: Fixed::None }
     }
 
-    /// Of a joint that turns about the unit vector `axis`, behind a fixed rotation.
+    /// The rotation of a joint that turns about the unit vector `axis`, behind a fixed rotation.
     pub(super) fn about(axis: Vector3<f64>, origin: Matrix3<f64>) -> Self {
         let turn = axis.iamax();
         let reversed = axis[turn] < 0.0;

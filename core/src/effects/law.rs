@@ -172,6 +172,13 @@ pub trait Effect: Sync {
         None
     }
 
+    /// Least size that a log can show, where the positions of its joint have noise of the standard deviation `position_noise`, whatever its
+    /// torque would be.
+    fn least_size(&self, position_noise: f64) -> f64 {
+        let _ = position_noise;
+        0.0
+    }
+
     /// Quantities derived from its parameters by which practitioners call its size, the first that there is; its first parameter where
     /// there is none.
     fn headline(&self) -> &'static [&'static str] {

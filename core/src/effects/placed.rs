@@ -97,6 +97,25 @@ impl Placed {
         Placed { parameters, ..self.clone() }
     }
 
+    /// Index of the parameter by which it grows from nothing: its first amplitude or departure.
+    ///
+    /// ```
+    /// # extern crate tauscope_core as tauscope;
+    /// use tauscope::effects::{Placed, StribeckFriction};
+    ///
+    /// let placed = Placed::typical(&StribeckFriction, 1);
+    /// assert_eq!((placed.amount_index(), placed.amount()), (0, 25.0));
+    /// ```
+    pub fn amount_index(&self) -> usize {
+        let is_amount = |role: Role| matches!(role, Role::Amplitude | Role::Departure);
+        self.effect.parameters().iter().position(|parameter| is_amount(parameter.role)).unwrap_or(0)
+    }
+
+    /// Value of the parameter by which it grows from nothing.
+    pub fn amount(&self) -> f64 {
+        self.parameters[self.amount_index()]
+    }
+
     /// Unit of its parameter `index` on the joint of `robot` that it is placed on.
     pub fn unit(&self, index: usize, robot: &Robot) -> &'static str {
         robot.joints[self.joint].kind.unit(self.effect.parameters()[index].unit)

@@ -22,8 +22,8 @@ pub(crate) struct OrthonormalBasis {
 }
 
 impl OrthonormalBasis {
-    /// Of `columns` of one length, taken in their order: a column of which no more than `share` of its length is left over those kept
-    /// before it is left out, and one that is zero or not finite.
+    /// The basis of `columns` of one length, taken in their order: a column of which no more than `share` of its length is left over those
+    /// kept before it is left out, and one that is zero or not finite.
     ///
     /// # Panics
     /// If the columns are not of one length.

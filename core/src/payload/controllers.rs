@@ -37,7 +37,7 @@ pub struct Controllers {
 const DIGITS: i32 = 5;
 
 impl Controllers {
-    /// Of a mass, kg, its centre, m, and its inertia about the centre, kg m2; without, a point mass.
+    /// The texts for a load of a mass, kg, its centre, m, and its inertia about the centre, kg m2; without, a point mass.
     pub fn new(mass: f64, center: Vector3<f64>, inertia: Option<Matrix3<f64>>) -> Self {
         let tensor = inertia.unwrap_or_else(Matrix3::zeros);
         let (moments, axes) = principal(&tensor);
@@ -79,7 +79,7 @@ impl Controllers {
         Controllers { franka_desk, ur_set_payload, ur_set_target_payload, kuka_load, abb_loaddata }
     }
 
-    /// Of a body in its frame.
+    /// The texts for a body in its frame.
     pub fn of(body: &Inertia) -> Self {
         Controllers::new(body.mass(), body.center_of_mass(), Some(body.tensor_about_center()))
     }

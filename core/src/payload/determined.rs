@@ -56,7 +56,8 @@ pub(super) struct Determined {
 }
 
 impl Determined {
-    /// Of a fit that holds what the model of the arm lacks: inertia about the centre, which acts as little as that, is left out.
+    /// What is determined of a fit that holds what the model of the arm lacks: inertia about the centre, which acts as little as that, is
+    /// left out.
     pub(super) fn without_inertia(mut self) -> Determined {
         if self.inertia.iter().any(Option::is_some) {
             self.inertia = [None; 6];
@@ -68,7 +69,7 @@ impl Determined {
         self
     }
 
-    /// Of a load that other torque offsets explain as well: its numbers are left out. No load stays none.
+    /// What is determined of a load that other torque offsets explain as well: its numbers are left out. No load stays none.
     pub(super) fn or_offsets(self) -> Determined {
         if self.verdict == Verdict::NoLoad || self.verdict == Verdict::NoBody {
             return self;
@@ -89,7 +90,7 @@ impl Determined {
     }
 }
 
-/// Of an estimate on an arm of so long a `reach`, m. `matters` says whether the load's torque is of a size that matters.
+/// What is determined of an estimate on an arm of so long a `reach`, m. `matters` says whether the load's torque is of a size that matters.
 pub(super) fn determined(estimate: &Estimate, reach: f64, matters: bool) -> Determined {
     let fitted: [f64; PARAMETERS] = std::array::from_fn(|k| estimate.load[k] * SCALE[k]);
     let covariance =

@@ -28,7 +28,7 @@ pub(super) struct LoadColumns {
 }
 
 impl LoadColumns {
-    /// Of a load on the flange of `robot`, for the joints with an equation.
+    /// The columns of a load on the flange of `robot`, for the joints with an equation.
     pub(super) fn new(robot: &Robot, equations: &[bool]) -> Self {
         let mut from_flange = SMatrix::<f64, PARAMETERS, PARAMETERS>::zeros();
         for (k, scale) in SCALE.iter().enumerate() {

@@ -25,7 +25,7 @@ pub(super) struct LogRows {
 }
 
 impl LogRows {
-    /// Of a log at even steps, smoothed over the usual window.
+    /// The rows of a log at even steps, smoothed over the usual window.
     ///
     /// # Errors
     /// If the log is too short for the window.

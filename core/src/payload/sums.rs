@@ -26,7 +26,7 @@ const MOST: usize = 1 << 32;
 const COARSE: usize = 4;
 
 impl Key {
-    /// Of block `block` of log `log`, numbers of their own for each.
+    /// The key of block `block` of log `log`, numbers of their own for each.
     pub(super) fn new((log, block): (usize, usize), before: Option<usize>, after: Option<usize>) -> Self {
         Key { cluster: log * MOST + block, coarse: log * MOST + block / COARSE, before, after }
     }

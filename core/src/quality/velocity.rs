@@ -131,7 +131,7 @@ pub(super) fn findings(view: &View, clock: Clock, incomparable: &[usize]) -> Vec
             && let Some(other) = twin(view, column, joint)
         {
             let text = format!(
-                "the velocity follows the position of {}: the columns are swapped; put them in order",
+                "the velocity follows the position of {}: the columns are swapped; exchange them",
                 view.log.joints[other]
             );
             out.push(Finding::new(Kind::Swapped, Severity::Warning, place, text));
@@ -147,7 +147,7 @@ pub(super) fn findings(view: &View, clock: Clock, incomparable: &[usize]) -> Vec
             continue;
         }
         if slope < 0.0 {
-            let text = "the velocity has the opposite sign of the change of position; turn one of them round";
+            let text = "the velocity has the opposite sign of the change of position; reverse the sign of one of them";
             out.push(Finding::new(Kind::VelocitySign, Severity::Warning, place.clone(), text));
         }
         let factor = slope.abs();

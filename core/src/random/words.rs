@@ -22,7 +22,7 @@ pub(super) struct Words {
 }
 
 impl Words {
-    /// Of the stream with this key.
+    /// The words of the stream with this key.
     pub(super) fn new(lanes: Lanes, key: [u8; 32]) -> Self {
         let mut start = [0; 16];
         let parts = b"expand 32-byte k".chunks_exact(4).chain(key.chunks_exact(4));

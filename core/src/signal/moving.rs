@@ -72,7 +72,7 @@ pub struct NoiseGains {
 }
 
 impl NoiseGains {
-    /// Of what makes a smooth position and its velocity from a signal of `samples`.
+    /// The gains of what makes a smooth position and its velocity from a signal of `samples`.
     ///
     /// # Errors
     /// Those of the filter: there are too few samples for it.
@@ -131,7 +131,7 @@ pub struct Slow {
 }
 
 impl Slow {
-    /// Of a joint with these velocities, whose noise has the standard deviation `noise`.
+    /// The speeds of a joint with these velocities, whose noise has the standard deviation `noise`.
     pub fn new(velocity: &[f64], noise: f64) -> Self {
         let mut speeds: Vec<f64> = velocity.iter().map(|v| v.abs()).filter(|v| v.is_finite()).collect();
         if speeds.is_empty() {

@@ -30,7 +30,7 @@ pub struct Global {
     /// Print the result as JSON on standard output instead of tables.
     #[arg(long, global = true)]
     pub json: bool,
-    /// Seed of every random number. Default: that of the scenario, 0 without one.
+    /// Seed of every random number. Default: the scenario's, else 0 (check: the baseline's; diagnose: 0).
     #[arg(long, global = true, value_name = "N")]
     pub seed: Option<u64>,
     /// Folder for the results. Default: `results/NAME`.

@@ -50,7 +50,7 @@ pub(crate) enum Place {
     Elsewhere,
 }
 
-const MENDED: &[Variant] = &[Variant::Consistent, Variant::EulerLagrange];
+const CORRECTED: &[Variant] = &[Variant::Consistent, Variant::EulerLagrange];
 const ALL: &[Variant] = &[Variant::AsPrinted, Variant::Consistent, Variant::EulerLagrange];
 
 /// The departures, in the order of the paper.
@@ -60,7 +60,7 @@ pub(crate) const DEPARTURES: &[Departure] = &[
         printed: "X7 + cos(theta1 - theta2) (X8 + X9 + X10 + X11) + X12",
         used: "X7 + cos(theta1 - theta2) (X8 + X9 + X10 + X11 + X12)",
         why: "a bracket closed too early: the sine term of (4) and both terms of (5) treat X12 as X8..X11",
-        variants: MENDED,
+        variants: CORRECTED,
         place: Place::Inertia { row: 1, column: 2, constant: &[7, 12], cosine: &[8, 9, 10, 11] },
     },
     Departure {
@@ -68,7 +68,7 @@ pub(crate) const DEPARTURES: &[Departure] = &[
         printed: "theta2'^2 - theta1' theta2'",
         used: "theta1' theta2' - theta1'^2",
         why: "the term of (4) is repeated; (6)-(9) all have the form used for a joint of lower number",
-        variants: MENDED,
+        variants: CORRECTED,
         place: Place::Velocity { row: 2, column: 1, form: VelocityForm::Lower, parameters: &[12, 11, 10, 9, 8] },
     },
     Departure {
@@ -76,7 +76,7 @@ pub(crate) const DEPARTURES: &[Departure] = &[
         printed: "X37 + X36 + X35",
         used: "X38 + X37 + X36 + X35",
         why: "X38 is in the cosine of (5) and in both terms of (6)",
-        variants: MENDED,
+        variants: CORRECTED,
         place: Place::Velocity { row: 2, column: 3, form: VelocityForm::Lower, parameters: &[37, 36, 35] },
     },
     Departure {
@@ -84,7 +84,7 @@ pub(crate) const DEPARTURES: &[Departure] = &[
         printed: "X18",
         used: "X13",
         why: "(4) has X13 at theta3''; the mass matrix is symmetric",
-        variants: MENDED,
+        variants: CORRECTED,
         place: Place::Inertia { row: 3, column: 1, constant: &[18], cosine: &[14, 15, 16, 17] },
     },
     Departure {
@@ -92,7 +92,7 @@ pub(crate) const DEPARTURES: &[Departure] = &[
         printed: "X18",
         used: "X13",
         why: "(5) has X13 at theta3''; the mass matrix is symmetric",
-        variants: MENDED,
+        variants: CORRECTED,
         place: Place::Inertia { row: 3, column: 2, constant: &[18], cosine: &[35, 36, 37, 38] },
     },
     Departure {
@@ -100,7 +100,7 @@ pub(crate) const DEPARTURES: &[Departure] = &[
         printed: "X18",
         used: "X13",
         why: "each row has its own constant on the diagonal: X7 in (5), X18 in (7), X22 in (8), X25 in (9)",
-        variants: MENDED,
+        variants: CORRECTED,
         place: Place::Inertia { row: 3, column: 3, constant: &[18], cosine: &[48, 49, 50, 51] },
     },
     Departure {
@@ -108,7 +108,7 @@ pub(crate) const DEPARTURES: &[Departure] = &[
         printed: "theta4' theta5' + theta5'^2",
         used: "theta5'^2 - theta4' theta5'",
         why: "all other terms of a joint with one of higher number have this form",
-        variants: MENDED,
+        variants: CORRECTED,
         place: Place::Velocity { row: 4, column: 5, form: VelocityForm::Sum, parameters: &[65, 64] },
     },
     Departure {
@@ -116,7 +116,7 @@ pub(crate) const DEPARTURES: &[Departure] = &[
         printed: "X56 + X57",
         used: "X55 + X56",
         why: "(6) has X55 + X56 at theta5''; by Table A1 these are the shares of m6 and m5, X57 is m6 again",
-        variants: MENDED,
+        variants: CORRECTED,
         place: Place::Inertia { row: 5, column: 3, constant: &[22], cosine: &[56, 57] },
     },
     Departure {
@@ -124,7 +124,7 @@ pub(crate) const DEPARTURES: &[Departure] = &[
         printed: "X57 + X56",
         used: "X56 + X55",
         why: "(6) has X56 + X55",
-        variants: MENDED,
+        variants: CORRECTED,
         place: Place::Velocity { row: 5, column: 3, form: VelocityForm::Higher, parameters: &[57, 56] },
     },
     Departure {
@@ -132,7 +132,7 @@ pub(crate) const DEPARTURES: &[Departure] = &[
         printed: "X66 + X64",
         used: "X65 + X64",
         why: "the cosine of (8) and both terms of (7) have X64 + X65",
-        variants: MENDED,
+        variants: CORRECTED,
         place: Place::Velocity { row: 5, column: 4, form: VelocityForm::Higher, parameters: &[66, 64] },
     },
     Departure {
@@ -148,7 +148,7 @@ pub(crate) const DEPARTURES: &[Departure] = &[
         printed: "X25 + cos(theta3 - theta6) X58",
         used: "X25 + cos(theta3 - theta6) X57",
         why: "(6) has X57 at theta6''; X58 is gravity on joint 3",
-        variants: MENDED,
+        variants: CORRECTED,
         place: Place::Inertia { row: 6, column: 3, constant: &[25], cosine: &[58] },
     },
     Departure {
@@ -164,7 +164,7 @@ pub(crate) const DEPARTURES: &[Departure] = &[
         printed: "X58",
         used: "X57",
         why: "(6) has X57; X58 is gravity on joint 3",
-        variants: MENDED,
+        variants: CORRECTED,
         place: Place::Velocity { row: 6, column: 3, form: VelocityForm::Higher, parameters: &[58] },
     },
     Departure {

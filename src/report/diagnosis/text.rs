@@ -2,8 +2,8 @@
 
 use super::gravity;
 use crate::diagnosis::{
-    Consequence, DataFault, Diagnosis, EXTENDED_SCENARIO, Family, Finding, Found, LOGS_DISAGREE, Levels, Minor,
-    NamedParameter, Part, Play, ResidualMap, Resimulation, Share, Verdict,
+    Consequence, DataFault, Diagnosis, EXTENDED_SCENARIO, Family, Finding, Found, JointMap, LOGS_DISAGREE, Levels,
+    Minor, NamedParameter, Part, Play, ResidualMap, Resimulation, Share, Verdict,
 };
 use crate::effects;
 use crate::error::Error;
@@ -60,7 +60,7 @@ pub(crate) fn lines(
             _ if diagnosis.scope.against_reference => "Changed by",
             _ => "Add to the model:",
         };
-        let open = if finding.size_told { String::new() } else { format!(" Note: {NOT_SIZED}.") };
+        let open = if finding.is_sized { String::new() } else { format!(" Note: {NOT_SIZED}.") };
         lines.push(format!("  {verb} {change} ({EXTENDED_SCENARIO} has it). {}{open}", finding.explanation));
         let values: Vec<f64> = finding.parameters.iter().map(|parameter| parameter.value).collect();
         let turned = gravity::direction(robot, finding.effect, &values).filter(|_| !diagnosis.scope.against_reference);
@@ -152,7 +152,7 @@ fn headline(diagnosis: &Diagnosis) -> String {
         Verdict::None => "nothing beyond the noise: the re-identified model explains the logs",
         Verdict::NotTestable => "the logs cannot be diagnosed",
     };
-    format!("Verdict: {answer} (false alarms: at most {} of runs).", percent_of(diagnosis.scope.alpha))
+    format!("Verdict: {answer} (family-wise error rate: {}).", percent_of(diagnosis.scope.alpha))
 }
 
 /// Whether each finding is a constant torque, or may be one.
@@ -175,7 +175,7 @@ fn fault_lines(faults: &[DataFault]) -> Vec<String> {
             let what = match consequence {
                 Consequence::Stops => "Fault of the data",
                 Consequence::LeftOut => "Left out",
-                Consequence::Told => "Note",
+                Consequence::Noted => "Note",
                 Consequence::Corrected => "Corrected",
             };
             format!("{what}: {}: {place}: {text}", logs.join(", "))
@@ -201,7 +201,7 @@ fn missed(robot: &Robot, diagnosis: &Diagnosis, found: &Found) -> String {
         names += &format!(" or {}", place(robot, other.family));
     }
     if found.verdict == Verdict::Unexplained {
-        let why = found.withdrawn.map_or("is not all there is", |failed| failed.gate.reason());
+        let why = found.withdrawn.map_or("explains a part only", |failed| failed.gate.reason());
         names = format!("something similar to {names} (which {why})");
     }
     let chance =
@@ -239,22 +239,24 @@ fn of_guessed(robot: &Robot, family: Family) -> Option<String> {
     let carried = robot.guessed.iter().filter(|(_, carrier)| on.is_empty() || on.contains(carrier));
     let held: Vec<String> = carried.map(|(held, _)| held.clone()).collect();
     let first = held.first()?;
-    let (those, stand) = if held.len() == 1 { ("its position", "stands") } else { ("their positions", "stand") };
+    let [carried, other, set] = match held.len() {
+        1 => ["is carried by it at an assumed position", "at another position", "that position, or set it"],
+        _ => ["are carried by it at assumed positions", "at other positions", "those positions, or set them"],
+    };
     Some(format!(
-        "  {} {stand} on it, and {those} was assumed: the same mass at another position is the other cause. Log it, or give it in a dataset \
-         ([hold] {first} = ..).",
+        "  {} {carried}. The same mass {other} would explain this too. Log {set} in a dataset ([hold] {first} = ..).",
         held.join(", ")
     ))
 }
 
-/// "and 3 smaller effects, together 0.3 N m on joint_2 at most: diagnosis.json lists them"
+/// "- Not reported: 3 smaller effects, together 0.3 N m on joint_2: .. (diagnosis.json lists all)."
 fn smaller(robot: &Robot, diagnosis: &Diagnosis) -> Option<String> {
     let count = diagnosis.minor.len();
     let all: Vec<f64> = (0..robot.dof())
         .map(|joint| diagnosis.minor.iter().map(|minor| minor.size[joint].powi(2)).sum::<f64>().sqrt())
         .collect();
     let joint = (0..all.len()).max_by(|&a, &b| all[a].total_cmp(&all[b])).filter(|_| count > 0)?;
-    let effects = if count == 1 { "effect that does" } else { "effects that do" };
+    let effects = if count == 1 { "effect" } else { "effects" };
     let names: Vec<String> = diagnosis
         .minor
         .iter()
@@ -266,13 +268,13 @@ fn smaller(robot: &Robot, diagnosis: &Diagnosis) -> Option<String> {
         .collect();
     let size = effort(&robot.joints[joint], all[joint]);
     Some(format!(
-        "- And {count} smaller {effects} not count, together {size} on {}: {} (diagnosis.json lists all).",
+        "- Not reported: {count} smaller {effects}, together {size} on {}: {} (diagnosis.json lists all).",
         robot.joints[joint].name,
         names.join("; ")
     ))
 }
 
-/// "; of the laws load_dependent_friction on joint_2 (coefficient 0.05) comes nearest, no better than any smooth function". Its standard
+/// "; the nearest law is load_dependent_friction on joint_2 (coefficient 0.05), no better than generic functions". Its standard
 /// deviations do not hold the scatter between blocks, as those of findings do: none is printed.
 fn nearest(robot: &Robot, minor: &Minor, levels: &Levels) -> String {
     let found = finding(robot, &minor.found, &[], levels);
@@ -280,7 +282,7 @@ fn nearest(robot: &Robot, minor: &Minor, levels: &Levels) -> String {
     let values: Vec<String> =
         parameters.map(|p| format!("{} {}", p.name, with_unit(significant(p.value), p.unit))).collect();
     let name = place(robot, minor.found.member.candidate.family());
-    format!("; of the laws {name} ({}) comes nearest, no better than any smooth function", values.join(", "))
+    format!("; the nearest law is {name} ({}), no better than generic functions", values.join(", "))
 }
 
 /// The joint on which a smaller effect is largest over all joints, and its size there.
@@ -310,23 +312,34 @@ fn values(finding: &Finding) -> String {
     each.collect::<Vec<String>>().join(", ")
 }
 
-/// What the residual follows where it is unexplained, for the joint on which it exceeds the noise most.
+/// When the residual is largest where it is unexplained, for the joint on which it exceeds the noise most; and what it follows, where no
+/// other line reports that.
 fn where_it_lives(robot: &Robot, diagnosis: &Diagnosis) -> Option<String> {
     let [_, of] = &diagnosis.errors.structure;
     let excess = |j: usize| of[j].rms_nm / diagnosis.errors.noise_floor[j];
-    let joint = (0..of.len()).max_by(|&a, &b| excess(a).total_cmp(&excess(b))).filter(|&j| excess(j) > 1.5)?;
-    let (variable, share) = of[joint].follows.most();
+    let misfit = diagnosis.scope.criteria.levels.misfit;
+    let joint = (0..of.len()).max_by(|&a, &b| excess(a).total_cmp(&excess(b))).filter(|&j| excess(j) > misfit)?;
     let worst = of[joint].worst?;
+    let is_reported = diagnosis.unexplained.iter().any(|left| left.joint == joint)
+        || diagnosis.map.joints.iter().any(|map| map.joint == joint && !is_unstructured(map));
+    let follows = match of[joint].follows.most() {
+        _ if is_reported => String::new(),
+        (variable, share) => format!("follows {variable} most ({:.0} %) and ", 100.0 * share),
+    };
     (diagnosis.verdict == Verdict::Unexplained).then(|| {
         format!(
-            "On {}, the residual follows {variable} most ({:.0} %) and is largest from {:.1} to {:.1} s of held-out log {}.",
+            "On {}, the residual {follows}is largest from {:.1} to {:.1} s of held-out log {}.",
             robot.joints[joint].name,
-            100.0 * share,
             worst.from_s,
             worst.to_s,
             worst.log + 1
         )
     })
+}
+
+/// Whether the map of a joint reports nothing that its residual follows.
+fn is_unstructured(map: &JointMap) -> bool {
+    map.reported().chain(map.unseparated()).next().is_none() && map.reported_lines().next().is_none()
 }
 
 /// The table of held-out errors; those of fitted models are left out where the training logs do not determine the torque.
@@ -397,15 +410,13 @@ fn unseen(robot: &Robot, diagnosis: &Diagnosis) -> Option<String> {
         .scan(Vec::new(), |shown: &mut Vec<&str>, (missed, size)| {
             let new = !shown.contains(&missed.family.effect);
             shown.push(missed.family.effect);
-            Some(new.then(|| {
-                format!("{} above {}", place(robot, missed.family), with_unit(significant(size), missed.unit))
-            }))
+            Some(new.then(|| format!("{} {}", place(robot, missed.family), with_unit(significant(size), missed.unit))))
         })
         .flatten()
         .take(MENTIONED)
         .collect();
     (!shown.is_empty()).then(|| {
-        format!("An effect of this size would have been found: {} (diagnosis.json lists all).", shown.join("; "))
+        format!("Effects above these sizes would have been found: {} (diagnosis.json lists all).", shown.join("; "))
     })
 }
 

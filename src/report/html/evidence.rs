@@ -55,7 +55,7 @@ impl Joint {
 /// The sections on torque and residuals. The last contender is the one the report argues for; `row_s` is the time between
 /// two rows.
 pub(crate) fn sections(joints: &[Joint], contenders: &[Contender], row_s: f64) -> Vec<Section> {
-    let gaps = "Gaps are rows that do not count: near reversals, where the direction of friction is uncertain.";
+    let gaps = "Gaps are rows that are not used: near reversals, where the direction of friction is uncertain.";
     vec![
         Section::new(
             "Residuals over time",
@@ -103,7 +103,7 @@ pub(crate) fn sections(joints: &[Joint], contenders: &[Contender], row_s: f64) -
             "Spectrum of the residuals",
             vec![
                 Block::text(
-                    "Amplitude density (Welch, windows of up to 256 rows); rows that do not count are taken as zero. What \
+                    "Amplitude density (Welch, windows of up to 256 rows); rows that are not used are taken as zero. What \
                      moves with the arm is at the left, flat noise is flat.",
                 ),
                 Block::Charts {

@@ -11,13 +11,13 @@ pub(crate) struct Provenance {
 }
 
 impl Provenance {
-    /// Of this process and the seed it used.
+    /// The provenance of this process and the seed it used.
     pub(crate) fn here(seed: Option<u64>) -> Self {
         let arguments = std::env::args_os().skip(1).map(|argument| argument.to_string_lossy().into_owned());
         Self::of(std::iter::once("tauscope".to_owned()).chain(arguments), seed)
     }
 
-    /// Of a command. Absolute paths are given relative to the present folder where they are inside, else by their name.
+    /// The provenance of a command. Absolute paths are given relative to the present folder where they are inside, else by their name.
     pub(crate) fn of(command: impl IntoIterator<Item = impl Into<String>>, seed: Option<u64>) -> Self {
         let here = std::env::current_dir().unwrap_or_default();
         let words: Vec<String> = command.into_iter().map(|word| plain(&word.into(), &here)).collect();

@@ -34,7 +34,7 @@ fn faulty(faults: &[DataFault]) -> Section {
         let consequence = match consequence {
             Consequence::Stops => "stops the diagnosis",
             Consequence::LeftOut => "left out",
-            Consequence::Told => "worth knowing",
+            Consequence::Noted => "worth knowing",
             Consequence::Corrected => "corrected",
         };
         vec![logs.join(", "), place.to_owned(), text.to_owned(), consequence.to_owned()]

@@ -77,7 +77,7 @@ pub fn film<'a>(
     };
     film.add(Quantity::Torque, "re-identified", Look::Simulated, |j| model(j, &evidence.baseline));
     film.add(Quantity::Torque, "with findings", Look::Extended, |j| model(j, &evidence.extended));
-    // Rows near reversals do not count, so they leave a gap.
+    // Rows near reversals are not used, so they leave a gap.
     let counted = |j: usize, residual: &[Vec<f64>]| -> (Vec<f64>, Vec<f64>) {
         let valid = residual[j].iter().zip(&evidence.valid[j]);
         let values: Vec<f64> = valid.map(|(&left, &ok)| if ok { left } else { f64::NAN }).collect();

@@ -168,7 +168,7 @@ pub enum Look {
 pub struct Signal {
     /// What it is.
     pub quantity: Quantity,
-    /// Of which joint.
+    /// The joint.
     pub joint: usize,
     /// Name in the legend and, with `_` for spaces, in the entity path.
     pub name: &'static str,

@@ -27,7 +27,7 @@ const SHAPE_FACTOR: f64 = 1.4;
 #[serde(rename_all = "snake_case")]
 #[value(rename_all = "snake_case")]
 pub enum Class {
-    /// Nothing.
+    /// No effect is hidden.
     Quiet,
     /// One effect of the library that adds as much as the noise.
     Single,
@@ -40,6 +40,7 @@ pub enum Class {
     /// A fault of the data.
     Fault,
     /// What was asked for on the command line.
+    #[value(hide = true)]
     Asked,
 }
 

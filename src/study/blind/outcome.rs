@@ -77,9 +77,9 @@ impl Outcome {
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Judgement {
-    /// Of the run as a whole.
+    /// The outcome of the run as a whole.
     pub outcome: Outcome,
-    /// Of every hidden effect.
+    /// The outcome of every hidden effect.
     pub each: Vec<Outcome>,
     /// Named effects that were not hidden, with the right ones or in place of them.
     pub wrong: Vec<String>,

@@ -107,7 +107,7 @@ pub(crate) struct Summary {
 }
 
 impl Summary {
-    /// Of these runs.
+    /// The summary of these runs.
     pub(crate) fn new(rows: &[Row]) -> Self {
         let classes: BTreeSet<Class> = rows.iter().map(|row| row.class).collect();
         let classes = classes.into_iter().map(|class| {

@@ -33,7 +33,7 @@ pub struct Quantiles {
 }
 
 impl Quantiles {
-    /// Of values in any order, by linear interpolation; None without values.
+    /// The quantiles of values in any order, by linear interpolation; None without values.
     pub fn of(mut values: Vec<f64>) -> Option<Self> {
         if values.is_empty() {
             return None;

@@ -74,11 +74,11 @@ def judge(truth, answer):
             break
         outcomes.append(outcome)
     others = [finding for index, finding in enumerate(findings) if index not in used]
-    firm = [names(finding)[0] for finding in others if finding["verdict"] == "named"]
+    named = [names(finding)[0] for finding in others if finding["verdict"] == "named"]
     loose = [names(finding) for finding in others if finding["verdict"] != "named"]
-    if firm and "missed" in outcomes:
+    if named and "missed" in outcomes:
         outcomes[outcomes.index("missed")] = "wrong"
-    return outcomes, firm, loose, scores
+    return outcomes, named, loose, scores
 
 
 def z_scores(effect, finding):
@@ -105,15 +105,15 @@ def text(name):
 
 
 def line(case, truth, answer, judged, seconds):
-    outcomes, firm, loose, _ = judged
+    outcomes, named, loose, _ = judged
     hidden = ["{}{}".format(e["effect"], ":" + e["joints"][0][6:] if e["joints"] else "") for e in truth["effects"]]
-    alarm = [] if hidden else ["false_alarm" if firm or loose else "quiet" if answer else "failed"]
+    alarm = [] if hidden else ["false_alarm" if named or loose else "quiet" if answer else "failed"]
     unexplained = [f"{u['joint'][6:]}:{u['structure']}" for u in (answer or {}).get("unexplained", [])]
     setting = [truth.get(key) for key in ("mode", "noise", "motion", "arm", "rate", "sign_width", "quantised", "urdf_drives", "at_rest")]
     sets = ["|".join(text(name) for name in one) for one in loose]
     fields = [
         case.name, " ".join(hidden) or "-", " ".join(outcomes if hidden else alarm),
-        "firm: " + " ".join(map(text, firm)) if firm else "", "sets: " + " ".join(sets) if sets else "",
+        "named: " + " ".join(map(text, named)) if named else "", "sets: " + " ".join(sets) if sets else "",
         "unexplained: " + " ".join(unexplained) if unexplained else "", " ".join(map(str, setting)), f"{seconds:.0f} s",
     ]  # fmt: skip
     return "\t".join(fields)
@@ -143,7 +143,7 @@ def tables(judged):
     for title, key in [
         ("severity", lambda t, e: t["severity"]), ("mode", lambda t, e: t["mode"]), ("noise", lambda t, e: t["noise"]),
         ("motion", lambda t, e: t["motion"]), ("at rest", lambda t, e: t.get("at_rest")), ("arm", lambda t, e: t["arm"]), ("rate", lambda t, e: t["rate"]),
-        ("sign width", lambda t, e: t["sign_width"]), ("encoder", lambda t, e: "quantised" if t["quantised"] else "white"),
+        ("Coulomb smoothing velocity", lambda t, e: t["sign_width"]), ("encoder", lambda t, e: "quantised" if t["quantised"] else "white"),
         ("evidence", evidence), ("effect", lambda t, e: e["effect"]),
     ]:  # fmt: skip
         rows = defaultdict(Counter)
@@ -156,13 +156,13 @@ def tables(judged):
             print(f"{value:30}" + "".join(f"{counts[o]:10}" for o in OUTCOMES) + f"   {wilson(good, total)}")
     with_effects = [(truth, answer, j) for truth, answer, j in judged if truth["effects"] and answer]
     if with_effects:
-        firm = sum(bool(j[1]) for *_, j in with_effects)
+        named = sum(bool(j[1]) for *_, j in with_effects)
         beside = sum(bool(j[1]) and "wrong" not in j[0] for *_, j in with_effects)
         flagged = sum(
             any(u["joint"] == e["worst_joint"] or u["joint"] == e["joint"] for u in a["unexplained"] for e in t["effects"])
             for t, a, _ in with_effects
         )
-        print(f"\nA wrong name in {firm}/{len(with_effects)} = {wilson(firm, len(with_effects))}, of which {beside} in addition to the right one")
+        print(f"\nA wrong name in {named}/{len(with_effects)} = {wilson(named, len(with_effects))}, of which {beside} in addition to the right one")
         print(f"Unexplained structure on the joint of the effect: {flagged}/{len(with_effects)}")
         print("Wrong names:", Counter(name[0] for *_, j in with_effects for name in j[1]).most_common())
     scores = [score for *_, j in judged for score in j[3]]

@@ -16,6 +16,7 @@ use crate::diagnosis::lack_of_fit::{Structure, above_noise, disagreement, not_se
 use crate::diagnosis::logs::{Input, split};
 use crate::diagnosis::model::{DataSet, Known, Member, Session};
 use crate::diagnosis::noise::Whitener;
+use crate::diagnosis::preparation::prepare;
 use crate::diagnosis::regression::{Column, combined, rms};
 use crate::diagnosis::search::{Found, Rejected, Selection};
 use crate::diagnosis::variance::ResidualMap;
@@ -87,7 +88,7 @@ pub(super) fn conclude<'a>(
     let (early, late): (Vec<&Recording>, Vec<&Recording>) = (early.iter().collect(), late.iter().collect());
     let held_out = input.test.is_empty();
     let (train, test) = if held_out { (&early, &late) } else { (&input.train, &input.test) };
-    let mut session = Session::knowing(model, options.trust, known.clone(), train, test, options.criteria)?;
+    let mut session = prepare(model, options.trust, known.clone(), train, test, options.criteria)?;
     let simulation = as_described(&session, &input.present)?;
     let map = residual_map(&session, options)?;
     watch.tell(Progress::Map(map.clone()));
@@ -144,11 +145,11 @@ fn identified<'a>(
     let (early, late) = split(reference);
     let (early, late): (Vec<&Recording>, Vec<&Recording>) = (early.iter().collect(), late.iter().collect());
     let mut effects = described.effects.clone();
-    let session = Session::knowing(model, options.trust, described.clone(), &early, &late, options.criteria);
+    let session = prepare(model, options.trust, described.clone(), &early, &late, options.criteria);
     // Short logs have too little in their last parts: then nothing is held out, and the level of the tests alone decides.
     let mut session = match session {
         Ok(session) => session,
-        Err(_) => Session::knowing(model, options.trust, described, reference, reference, options.criteria)?,
+        Err(_) => prepare(model, options.trust, described, reference, reference, options.criteria)?,
     };
     let found = found_that_matter(&mut session, options, watch)?.0.found;
     effects.extend(found.iter().map(|found| found.member.placed.clone()));

@@ -36,11 +36,11 @@ pub struct OfSampling {
 }
 
 impl OfSampling {
-    /// Of a delay or a lag, as it was found.
+    /// The figures of a delay or a lag, as it was found.
     pub(super) fn new(member: &Member) -> Self {
         let Member { placed, std, .. } = member;
         let joint = (placed.effect.about().nature == Nature::Lag).then_some(placed.joint);
-        OfSampling { joint, seconds: [placed.parameters[0], std[0]] }
+        OfSampling { joint, seconds: [placed.amount(), std[placed.amount_index()]] }
     }
 }
 
@@ -296,10 +296,10 @@ fn predicts(found: &Found, noise: &[f64], criteria: &Criteria) -> Judgement {
     Judgement::at_most(Gate::Predicts, after / before, criteria.worse().powi(2)).or(after <= before)
 }
 
-/// Whether a delay or a lag is more than sampling makes: torque that is held over a step is half a sample late, and read at the other end of
-/// it than the positions it is another half sample away. Logs may be slower than the loop that holds the torque: what is longer than half a
-/// servo cycle is of the sampling as long as it adds less than the `noise` to the held-out torque of every joint, root mean square. None for
-/// all other effects.
+/// Whether a delay or a lag is more than sampling makes: torque that is held over a step is half a sample late, and read at the other end
+/// of it than the positions it is another half sample away. Logs may be slower than the loop that holds the torque: what is longer than
+/// half a servo cycle is of the sampling as long as it adds less than the `noise` to the held-out torque of every joint, root mean square.
+/// None for all other effects.
 ///
 /// # Errors
 /// If a log is too short to differentiate.
@@ -309,7 +309,7 @@ pub(super) fn beyond_sampling(session: &Session, found: &Found, noise: &[f64]) -
         return Ok(None);
     }
     let Criteria { levels, verdict, .. } = &session.criteria;
-    let time_s = placed.parameters[0].abs();
+    let time_s = placed.amount().abs();
     let test = &session.logs.test.rows;
     let added = session.model.arm.added_throughout(std::slice::from_ref(placed), test)?;
     let size = rms(&test.valid, &added[0]).iter().zip(noise).map(|(added, noise)| added / noise).fold(0.0, f64::max);

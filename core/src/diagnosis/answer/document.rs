@@ -331,7 +331,7 @@ impl Document {
                 log: String::new(),
                 r#where: place.into(),
                 text: text?,
-                consequence: Consequence::Told,
+                consequence: Consequence::Noted,
             })
         }));
         let structure = |of: &[ResidualStructure]| {
@@ -441,7 +441,7 @@ fn qualities(robot: &Robot, faults: &[DataFault]) -> Vec<Quality> {
         log: String::new(),
         r#where: robot.name.clone(),
         text: note.clone(),
-        consequence: Consequence::Told,
+        consequence: Consequence::Noted,
     });
     let quality = |fault: &DataFault| Quality {
         kind: QualityKind::Fault(fault.kind),

@@ -96,8 +96,8 @@ fn take_in(placed: Placed, robot: &mut Robot, effects: &mut Vec<Placed>) {
     let drive = &mut robot.joints[placed.joint].drive;
     let name = placed.effect.about().name;
     match placed.effect.of_drive() {
-        Some(DriveParameter::Coulomb) => drive.coulomb += placed.parameters[0],
-        Some(DriveParameter::Viscous) => drive.viscous += placed.parameters[0],
+        Some(DriveParameter::Coulomb) => drive.coulomb += placed.amount(),
+        Some(DriveParameter::Viscous) => drive.viscous += placed.amount(),
         _ if placed.effect.about().site == Site::Body => {
             placed.effect.alter(&placed.parameters, placed.joint, robot);
         }
@@ -120,7 +120,8 @@ fn bound(placed: &mut Placed, session: &Session) {
         *value = value.clamp(parameter.lower, parameter.upper);
     }
     if let (Site::Integrator, Some(log)) = (placed.effect.about().site, session.logs.train.rows.logs.first()) {
-        let step = &mut placed.parameters[0];
+        let index = placed.amount_index();
+        let step = &mut placed.parameters[index];
         *step = log.period / (log.period / *step).round().max(1.0);
     }
 }

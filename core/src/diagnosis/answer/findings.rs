@@ -53,7 +53,8 @@ pub struct Finding {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub withdrawn: Option<Judgement>,
     /// Whether any of its amplitudes differs significantly from zero.
-    pub size_told: bool,
+    #[serde(rename = "size_told")]
+    pub is_sized: bool,
     /// Family-wise p-value; None where none was worked out.
     pub family_wise_p: Option<f64>,
     /// Root mean square of the held-out residual without the effect, per joint, N m (N).
@@ -144,7 +145,7 @@ fn all_inertias(robot: &Robot, gain: &Gain) -> Finding {
         alternatives: Vec::new(),
         parameters: Vec::new(),
         withdrawn: None,
-        size_told: false,
+        is_sized: false,
         family_wise_p: None,
         test_rms_before_nm: before,
         test_rms_after_nm: after,
@@ -178,7 +179,7 @@ pub fn finding(robot: &Robot, found: &Found, derived: &[Derived], levels: &Level
             .map(|(name, value, std, unit)| NamedParameter { name, joint: joint.clone(), value, std, unit })
             .collect(),
         withdrawn: found.withdrawn,
-        size_told: found.member.is_sized(levels),
+        is_sized: found.member.is_sized(levels),
         joints: own,
         family_wise_p: Some(found.family_wise_p),
         test_rms_before_nm: before,

@@ -10,6 +10,7 @@ use crate::diagnosis::criteria::{Gate, Judgement};
 use crate::diagnosis::evidence::Gains;
 use crate::diagnosis::lack_of_fit::Unexplained;
 use crate::diagnosis::model::{Known, Session};
+use crate::diagnosis::preparation::prepare;
 use crate::diagnosis::regression::rms;
 use crate::diagnosis::search::Found;
 use crate::diagnosis::watch::Watch;
@@ -81,7 +82,7 @@ pub(super) fn all_inertias<'a>(
     if (bodies <= few && left < few) || watch.is_over() {
         return Ok(Outcome::NotAsked);
     }
-    let mut session = Session::knowing(trusted.model.base, Trust::Structure, known, train, test, options.criteria)?;
+    let mut session = prepare(trusted.model.base, Trust::Structure, known, train, test, options.criteria)?;
     let searched = Searched::new(&mut session, options, watch)?;
     let free = &searched.selection;
     let left_free = certain(&searched.structure.unexplained);

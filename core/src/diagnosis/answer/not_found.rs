@@ -5,7 +5,6 @@ use crate::diagnosis::evidence::Multiplicity;
 use crate::diagnosis::model::{Family, Session, is_candidate, is_wanted, places};
 use crate::diagnosis::search::{Alternative, Found};
 use crate::effects::{LIBRARY, Parameter, Placed};
-use crate::robot::Unit;
 use statrs::distribution::{ContinuousCDF, Normal};
 use std::collections::BTreeMap;
 
@@ -63,13 +62,9 @@ pub(super) fn not_found(
         })
         .collect();
     let change = session.logs.train.rows.of_change();
-    // No position below the noise of the encoders is known, whatever its torque would be.
-    let least = |unit: Unit, joint: usize| match unit {
-        Unit::Position => {
-            let logs = session.logs.train.rows.logs.iter();
-            logs.map(|log| log.position_noise[joint]).fold(f64::INFINITY, f64::min)
-        }
-        _ => 0.0,
+    let position_noise = |joint: usize| {
+        let logs = session.logs.train.rows.logs.iter();
+        logs.map(|log| log.position_noise[joint]).fold(f64::INFINITY, f64::min)
     };
     LIBRARY
         .iter()
@@ -91,7 +86,7 @@ pub(super) fn not_found(
             // What no arm can have, no log can show.
             let sizes = 0.0..=upper.max(-lower);
             let minimum_detectable = seen
-                .map(|(_, std)| (factor(family.effect) * std).max(least(effect.parameters()[index].unit, family.joint)))
+                .map(|(_, std)| (factor(family.effect) * std).max(effect.least_size(position_noise(family.joint))))
                 .filter(|size| *size > 0.0 && size.is_finite() && sizes.contains(size));
             NotFound { family, minimum_detectable, unit }
         })

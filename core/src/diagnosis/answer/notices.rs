@@ -42,7 +42,7 @@ pub fn shown(robot: &Robot, diagnosis: &Diagnosis) -> Vec<String> {
 }
 
 /// Notice on logs that follow the motions of the reference logs.
-pub(crate) fn equal_states(diagnosis: &Diagnosis) -> Option<String> {
+pub(super) fn equal_states(diagnosis: &Diagnosis) -> Option<String> {
     diagnosis.scope.equal_states.map(|share| {
         format!(
             "the logs follow the motions of the reference logs: {:.0} % of the rows have an equal state there, and residuals are differences \
@@ -53,28 +53,27 @@ pub(crate) fn equal_states(diagnosis: &Diagnosis) -> Option<String> {
 }
 
 /// Notice on a search that was ended before it was done.
-pub(crate) fn unfinished(diagnosis: &Diagnosis) -> Option<String> {
+pub(super) fn unfinished(diagnosis: &Diagnosis) -> Option<String> {
     diagnosis.unfinished.then(|| {
-        "the search was ended before it was done: effects may be missing, and other names for those found; give it more time with --budget, or \
-         none"
+        "the search ended early: effects and alternatives may be missing. Repeat it with a longer --budget, or without one"
             .to_owned()
     })
 }
 
 /// Notice on logs of several rates.
-pub(crate) fn mixed_rates(diagnosis: &Diagnosis) -> Option<String> {
+pub(super) fn mixed_rates(diagnosis: &Diagnosis) -> Option<String> {
     let each: Vec<String> = diagnosis.logs.rates_hz.iter().map(|hz| format!("{hz:.0}")).collect();
     (each.len() > 1).then(|| {
         format!(
-            "the logs were sampled at {} Hz: where few samples make a mean over 20 ms there is more noise than is reported here, which is that of \
-             the training logs together; log all at one rate",
+            "the logs were sampled at {} Hz. Means over 20 ms are noisier at the lower rate; the noise reported is that of all training logs \
+             together. Record all logs at one rate",
             each.join(" and ")
         )
     })
 }
 
 /// Notice on delays and lags that are of the sampling.
-pub(crate) fn sampling(robot: &Robot, diagnosis: &Diagnosis) -> Option<String> {
+pub(super) fn sampling(robot: &Robot, diagnosis: &Diagnosis) -> Option<String> {
     let each = diagnosis.of_sampling.iter().map(|short| {
         let [time, std] = short.seconds.map(|seconds| significant(1e3 * seconds));
         match short.joint {
@@ -86,13 +85,13 @@ pub(crate) fn sampling(robot: &Robot, diagnosis: &Diagnosis) -> Option<String> {
     (!each.is_empty()).then(|| {
         let each = each.join(", ");
         format!(
-            "{each}: less than a sample, as sampling makes it; it is included in the model, not reported as a finding"
+            "{each}: less than a sample, as sampling causes it; it is included in the model, not reported as a finding"
         )
     })
 }
 
 /// Notice on friction that does not change its direction at once.
-pub(crate) fn smooth_friction(robot: &Robot, diagnosis: &Diagnosis) -> Option<String> {
+pub(super) fn smooth_friction(robot: &Robot, diagnosis: &Diagnosis) -> Option<String> {
     let rounding = &diagnosis.logs.coulomb_rounding;
     let each = robot.joints.iter().zip(rounding).filter(|(_, own)| own.width() > 0.0);
     let each: Vec<(&str, String)> = each
@@ -120,21 +119,21 @@ pub(crate) fn smooth_friction(robot: &Robot, diagnosis: &Diagnosis) -> Option<St
 }
 
 /// Notice where the training logs leave the model more open on the held-out logs than the noise.
-pub(crate) fn extrapolation(robot: &Robot, diagnosis: &Diagnosis) -> Option<String> {
+pub(super) fn extrapolation(robot: &Robot, diagnosis: &Diagnosis) -> Option<String> {
     let each = diagnosis.errors.prediction_std.iter().zip(&diagnosis.errors.noise_floor).zip(&robot.joints);
     let open = each.filter(|((std, noise), _)| std > noise).map(|((std, noise), joint)| match std.is_finite() {
-        true => format!("{} by {} (noise {})", joint.name, effort(joint, *std), effort(joint, *noise)),
+        true => format!("{} (standard deviation {}, noise {})", joint.name, effort(joint, *std), effort(joint, *noise)),
         false => format!("{} (not determined at all)", joint.name),
     });
     let open: Vec<String> = open.collect();
     let nominal = match robot.placeholders() {
-        None => "; inertias taken from the URDF (--trust nominal) need less of them",
+        None => "; inertias taken from the URDF (--trust nominal) need fewer of them",
         Some(_) => "",
     };
     (!open.is_empty()).then(|| {
         format!(
-            "the training logs do not determine the held-out torque, with a standard deviation above the noise, of {}: conclusions on these joints \
-             are as uncertain. Train with motions as rich as the held-out ones{nominal}",
+            "the prediction of the held-out torque is less certain than the noise on {}: conclusions there are as uncertain. Add training \
+             motions as rich as the held-out ones{nominal}",
             open.join(", ")
         )
     })
@@ -210,14 +209,14 @@ pub(super) fn next_experiment(
             off(joint)
         ),
         (true, Some(joint)) if robot.placeholders().is_some() => format!(
-            "the inertias of the description are placeholders, which leaves {:.1} times as much on {} as re-identified inertias and friction do: \
-             extended.urdf holds these",
-            off(joint),
-            robot.joints[joint].name
+            "the residual of {} is {:.1} times that with re-identified inertias and friction, since the inertias of the description are \
+             placeholders: extended.urdf holds the re-identified ones",
+            robot.joints[joint].name,
+            off(joint)
         ),
         (true, Some(joint)) if robot.joints[joint].drive.is_frictionless() => format!(
-            "the description, which has no friction on {0}, leaves {1:.1} times as much there as re-identified inertias and friction do: \
-             extended.urdf holds these; --trust nominal shows whether its inertias are right or a load is missing",
+            "the residual of {} is {:.1} times that with re-identified inertias and friction, since the description has no friction there: \
+             extended.urdf holds the re-identified ones. --trust nominal shows whether its inertias are right or a load is missing",
             robot.joints[joint].name,
             off(joint)
         ),

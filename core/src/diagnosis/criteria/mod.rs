@@ -1,16 +1,9 @@
-//! Thresholds that decide what is reported, each with its reason, and the judgement of a gate.
+//! Thresholds that decide what is reported, each with its reason, and the judgement of a gate: whether a number passes, and by how much.
 //!
-//! In: the name of a gate, a number and its threshold. Out: whether it passes, and by how much.
-//!
-//! A number decides if it is compared with a statistic, an estimate or a residual, and the answer changes what is named, refused or left
-//! out. These are here, and the threshold of every judgement comes from here (a test holds it). Other numbers stay where they are used, with
-//! their reason:
-//!
-//! - bounds and priors of a law's parameters, which belong to the law ([`crate::effects`]);
-//! - what a statistic or a log needs to exist: fewest rows, blocks and moments, shortest logs, slowest rate;
-//! - how a statistic is made: lengths of blocks, grids of shapes, cut-offs and places, orders of filters and noise models;
-//! - numerical limits: rank of a regressor, convergence of an iteration, rounding, memory;
-//! - what is only shown: places of a table, definitions of figures that no finding depends on.
+//! A number decides if it is compared with a statistic, an estimate or a residual, and the answer changes what is named or refused. These are
+//! here, and the threshold of every judgement comes from here (a test holds it). `docs/decisions.md` lists the numbers that stay where they
+//! are used. Screening has thresholds of its own (`core/src/quality`). They decide which samples and logs are used, not which effect is named,
+//! and are no part of [`Criteria`].
 
 mod comparison;
 mod document;

@@ -34,7 +34,7 @@ impl Judged {
 
     /// Logarithm of the probability by chance, by which shapes and forms of one family compare; that of a form that is not the usual one
     /// must be lower by `log_odds`.
-    pub(crate) fn likeliness(&self, log_odds: f64) -> f64 {
+    pub(super) fn likeliness(&self, log_odds: f64) -> f64 {
         let placed = &self.candidate.placed;
         let unusual =
             |(parameter, value): (&Parameter, &f64)| parameter.role == Role::Held && *value != parameter.typical;

@@ -28,7 +28,7 @@ const FEWEST: f64 = 0.5;
 
 /// A group of columns in a scan.
 #[derive(Debug)]
-pub(crate) struct Scanned<'a> {
+pub(super) struct Scanned<'a> {
     /// Name of the effect.
     pub kind: &'static str,
     /// Its columns, whitened.
@@ -52,7 +52,7 @@ impl Multiplicity {
     /// From the groups of a scan adjusted for `fit`, with so many whitened `rows` of each joint: noise is sent through all of them,
     /// and the smallest probability of each kind taken from each draw. With m independent tests -ln(1 - p_min) is exponential
     /// with rate m, of which the maximum-likelihood estimate carries the level into tails that no number of draws would reach.
-    pub(crate) fn new(fit: &Projection, scanned: &[Scanned], rows: &[usize], seed: u64) -> Self {
+    pub(super) fn new(fit: &Projection, scanned: &[Scanned], rows: &[usize], seed: u64) -> Self {
         let noise: Vec<DMatrix<f64>> = rows
             .iter()
             .enumerate()

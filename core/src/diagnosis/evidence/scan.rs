@@ -14,7 +14,7 @@ use std::sync::OnceLock;
 #[derive(Debug)]
 pub(crate) struct Scan {
     judged: Vec<Judged>,
-    /// Of those whose estimate makes no sense the likeliest of every family: logarithm of its probability by chance, and the gate.
+    /// The likeliest of every family among those whose estimate makes no sense: logarithm of its probability by chance, and the gate.
     impossible: BTreeMap<Slot, (f64, Judgement)>,
     /// Which of them may be a name: all but lags and delays that are not significant once adjusted for errors in variables. These look
     /// more significant than anything where encoders are coarse, and would be alternatives to every finding.

@@ -23,7 +23,7 @@ pub(super) struct Condensed {
 }
 
 impl Condensed {
-    /// Of columns, not whitened, the torque among them.
+    /// The condensed form of columns, not whitened, the torque among them.
     pub(super) fn new(whitener: &Whitener, whole: Vec<Column>, joints: usize) -> Self {
         let white = whitener.apply_all(&whole);
         let of_joint = |joint: usize| {

@@ -43,7 +43,8 @@ pub enum Consequence {
     /// The samples at fault are left out or bridged.
     LeftOut,
     /// A note; it does not change what the diagnosis uses.
-    Told,
+    #[serde(rename = "told")]
+    Noted,
     /// The description of the logs was wrong beyond doubt; the diagnosis goes on with the right one.
     Corrected,
 }
@@ -236,7 +237,7 @@ fn confirm(faults: &mut [DataFault], logs: usize) {
     for fault in faults.iter_mut().filter(|fault| signs.contains(&fault.kind)) {
         let count = seen.iter().filter(|(kind, place)| *kind == fault.kind && *place == fault.place).count();
         if 2 * count < logs {
-            fault.consequence = Consequence::Told;
+            fault.consequence = Consequence::Noted;
         }
     }
 }
@@ -282,7 +283,7 @@ fn leave_out(tau: &mut [f64], levels: &[f64], around: usize) {
 /// What a fault means to a diagnosis, which takes positions, torques and the clock; None for what is no fault.
 fn consequence(kind: Kind, severity: Severity) -> Option<Consequence> {
     if descriptions::is_description(kind) && severity == Severity::Note {
-        return Some(Consequence::Told);
+        return Some(Consequence::Noted);
     }
     match kind {
         Kind::Swapped
@@ -322,9 +323,9 @@ fn consequence(kind: Kind, severity: Severity) -> Option<Consequence> {
         | Kind::OutsideLimits
         | Kind::DeadTime
         | Kind::ClockFactor
-        | Kind::ModelTorque => Some(Consequence::Told),
+        | Kind::ModelTorque => Some(Consequence::Noted),
         Kind::VelocitySign | Kind::VelocityUnit | Kind::VelocityMismatch | Kind::VelocityDelay => {
-            (severity > Severity::Note).then_some(Consequence::Told)
+            (severity > Severity::Note).then_some(Consequence::Noted)
         }
     }
 }
@@ -346,7 +347,7 @@ mod tests {
     }
 
     #[test]
-    fn a_sign_that_one_log_of_three_shows_is_only_told() {
+    fn a_sign_that_one_log_of_three_shows_is_only_noted() {
         let fault = |log: &str, kind: Kind| DataFault {
             kind,
             log: log.into(),
@@ -356,7 +357,7 @@ mod tests {
         };
         let mut faults = vec![fault("a", Kind::TorqueSign), fault("a", Kind::Swapped)];
         confirm(&mut faults, 3);
-        assert_eq!(faults.iter().map(|f| f.consequence).collect::<Vec<_>>(), [Consequence::Told, Consequence::Stops]);
+        assert_eq!(faults.iter().map(|f| f.consequence).collect::<Vec<_>>(), [Consequence::Noted, Consequence::Stops]);
         let mut faults = vec![fault("a", Kind::TorqueSign), fault("b", Kind::TorqueSign)];
         confirm(&mut faults, 3);
         assert!(faults.iter().all(|f| f.consequence == Consequence::Stops));

@@ -34,7 +34,7 @@ impl MemberBlock {
 }
 
 impl ParameterBlocks {
-    /// Of a model with so many `baseline` parameters, of which the last `known` are those of known effects, and of `members`.
+    /// The blocks of a model with so many `baseline` parameters, of which the last `known` are those of known effects, and of `members`.
     pub(super) fn new(baseline: usize, known: usize, members: &[Member]) -> Self {
         let mut place = baseline;
         let mut next = |count: usize| {

@@ -43,7 +43,8 @@ pub(crate) struct Nuisances {
 }
 
 impl ErrorsInVariables {
-    /// Along the motion of `rows`, of an arm that carries loads with the torque `loads`; `parameters` are errors of the fit that matter there.
+    /// Along the motion of `rows`, of an arm that carries loads with the torque `loads`; `parameters` are errors of the fit that matter
+    /// there.
     ///
     /// # Errors
     /// If a log is too short to differentiate.
@@ -136,7 +137,7 @@ impl Nuisances {
     }
 }
 
-/// Of every row near a reversal, within the smear of the smoothing, a column that is one there after each reversal upwards and minus one
+/// For every row near a reversal, within the smear of the smoothing, a column that is one there after each reversal upwards and minus one
 /// after each downwards.
 fn at_reversals(rows: &Rows, joint: usize) -> Vec<Column> {
     let smear = rows.smear[joint];

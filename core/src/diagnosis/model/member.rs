@@ -93,12 +93,12 @@ mod tests {
     #[test]
     fn columns_of_departures_are_taken_where_they_are_not_small() {
         let placed = Placed::typical(find("torque_gain").unwrap(), 0);
-        let typical = placed.parameters[0];
+        let typical = placed.amount();
         let at = |estimate: f64| {
             let candidate = Candidate { placed: placed.clone(), log: None, columns: Default::default() };
             let mut member = Member::new(&candidate, &[estimate]);
             member.take_departures_at_estimates();
-            member.candidate.placed.parameters[0]
+            member.candidate.placed.amount()
         };
         assert_eq!(at(-0.11 * typical), -0.11 * typical);
         assert_eq!(at(0.09 * typical), typical);

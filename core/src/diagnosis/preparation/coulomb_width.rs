@@ -1,5 +1,6 @@
 //! The Coulomb smoothing velocity. Books write a sign; simulators and drivers write tanh(v / width), a ramp, a soft constraint or
-//! v / sqrt(v^2 + width^2), whose tails reach far beyond the rows that are left out near reversals and look like friction that falls at low speed.
+//! v / sqrt(v^2 + width^2), whose tails reach far beyond the rows that are left out near reversals and look like friction that falls at low
+//! speed.
 //!
 //! One law that is wrong on one joint must not be taken for it: what the joints that gain most by it gain does not count, unless they gain
 //! more by it than by any friction law of speed in the library.
@@ -29,7 +30,7 @@ pub(super) struct Likeliest {
 }
 
 impl Likeliest {
-    /// Of the likeliest roundings that were `tried` those that are `taken`.
+    /// Those of the likeliest roundings that were `tried` which are `taken`.
     fn new(tried: &Tried, taken: Vec<Rounding>) -> Self {
         let open =
             |((_, gain), taken): (&(Rounding, f64), &Rounding)| if taken.width() > 0.0 { 0.0 } else { gain.max(0.0) };

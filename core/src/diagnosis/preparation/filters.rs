@@ -41,7 +41,7 @@ pub(super) struct Prepared {
 }
 
 impl<'a> Preparation<'a> {
-    /// Of training logs, in addition to those from before a change that are `known`, and of held-out logs.
+    /// The preparation of training logs, in addition to those from before a change that are `known`, and of held-out logs.
     ///
     /// # Errors
     /// If a log is too short.

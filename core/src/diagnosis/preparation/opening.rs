@@ -20,87 +20,85 @@ impl<'a> Session<'a> {
     /// # Errors
     /// If a log is too short or a joint hardly moves.
     pub fn new(model: &'a Model, trust: Trust, train: &[&Recording], test: &[&Recording]) -> Result<Self> {
-        Self::knowing(model, trust, Known::nothing(model.robot(), trust), train, test, Criteria::default())
+        prepare(model, trust, Known::nothing(model.robot(), trust), train, test, Criteria::default())
     }
+}
 
-    /// Prepares the logs with what is known in addition to the robot description, for findings by `criteria`.
-    ///
-    /// # Errors
-    /// If a log is too short or a joint hardly moves.
-    pub fn knowing(
-        model: &'a Model,
-        trust: Trust,
-        known: Known<'a>,
-        train: &[&Recording],
-        test: &[&Recording],
-        criteria: Criteria,
-    ) -> Result<Self> {
-        let preparation = Preparation::new(model, &known, train, test, criteria)?;
-        let Prepared { data_sets: [train, test], cutoff_hz, passband } = preparation.prepared()?;
-        let (apart, cutoffs_hz) = (preparation.is_apart(), preparation.alike(cutoff_hz));
-        let logs = PreparedLogs { train, test, bands: 0..0, apart, cutoffs_hz, passband };
-        let (arm, knows) = (known.arm.clone(), known.clone());
-        let model =
-            ArmModel { base: model, trust, known: knows, arm, open_play: Vec::new(), rounding_gains: Vec::new() };
-        let mut session = Session::unfitted(logs, model, criteria);
-        // The Coulomb smoothing velocity is that from before a change, if one is in question; low-pass filtered torque does not determine
-        // it.
-        let Likeliest { rounding, gains } = match known.reference.is_empty() && passband.is_none() {
-            true if apart => coulomb_width::likeliest(&session.over_all_logs(), &[])?,
-            true => coulomb_width::likeliest(&session, &[])?,
-            false => {
-                Likeliest { rounding: known.arm.coulomb_rounding.clone(), gains: vec![0.0; session.model.base.dof()] }
-            }
-        };
-        session.take_rounding_gains(gains);
-        let known = known.with_coulomb_rounding(rounding);
-        let preparation = preparation.knowing(&known);
-        if known.arm.coulomb_rounding != session.model.arm.coulomb_rounding {
-            let cutoffs_hz = session.logs.cutoffs_hz.clone();
-            session.take_data_sets(preparation.data_sets(passband, &cutoffs_hz)?, cutoffs_hz);
-            session.know(known.clone());
-        }
-        let mut noise = session.settle_baseline()?;
-        let of_fit = (&noise.whitener, &noise.projection.residual);
-        let likeliest = preparation.own_cutoffs((&session.model.arm, &session.logs.train.rows), of_fit, cutoff_hz)?;
-        let own: Vec<f64> = likeliest.iter().map(|hz| preparation.raised(*hz)).collect();
-        // What is above the low-pass of the torque is not seen in it, and its factor would fit anything.
-        let seen_hz = passband.map_or(f64::INFINITY, |low_pass| low_pass.hz);
-        if own.iter().any(|hz| *hz != cutoff_hz)
-            && let Ok(data_sets) = preparation.data_sets(passband, &own)
-        {
-            tracing::debug!(?likeliest, ?own, "cut-offs of the joints");
-            session.take_data_sets(data_sets, own);
-            session.take_arm_as_known();
-            noise = session.settle_baseline()?;
-        }
-        let noise_from = smoothing::noise_from_hz(&session.logs.train.rows)?;
-        let from: Vec<f64> =
-            likeliest.iter().zip(&noise_from).map(|(likeliest, noise)| likeliest.min(*noise)).collect();
-        let up_to: Vec<f64> = session.logs.cutoffs_hz.iter().map(|hz| hz.min(seen_hz)).collect();
-        tracing::debug!(?from, ?up_to, "bands of the encoders' noise");
-        let bands = |set: &DataSet| smoothing::bands(&session.model.arm, &set.rows, &from, &up_to);
-        let bands = [bands(&session.logs.train)?, bands(&session.logs.test)?];
-        session.take_bands(bands);
-        session.free_noise_of_encoders(seen_hz, &noise)?;
+/// Prepares the logs with what is known in addition to the robot description, for findings by `criteria`.
+///
+/// # Errors
+/// If a log is too short or a joint hardly moves.
+pub(crate) fn prepare<'a>(
+    model: &'a Model,
+    trust: Trust,
+    known: Known<'a>,
+    train: &[&Recording],
+    test: &[&Recording],
+    criteria: Criteria,
+) -> Result<Session<'a>> {
+    let preparation = Preparation::new(model, &known, train, test, criteria)?;
+    let Prepared { data_sets: [train, test], cutoff_hz, passband } = preparation.prepared()?;
+    let (apart, cutoffs_hz) = (preparation.is_apart(), preparation.alike(cutoff_hz));
+    let logs = PreparedLogs { train, test, bands: 0..0, apart, cutoffs_hz, passband };
+    let (arm, knows) = (known.arm.clone(), known.clone());
+    let model = ArmModel { base: model, trust, known: knows, arm, open_play: Vec::new(), rounding_gains: Vec::new() };
+    let mut session = Session::unfitted(logs, model, criteria);
+    // The Coulomb smoothing velocity is that from before a change, if one is in question; low-pass filtered torque does not determine
+    // it.
+    let Likeliest { rounding, gains } = match known.reference.is_empty() && passband.is_none() {
+        true if apart => coulomb_width::likeliest(&session.over_all_logs(), &[])?,
+        true => coulomb_width::likeliest(&session, &[])?,
+        false => Likeliest { rounding: known.arm.coulomb_rounding.clone(), gains: vec![0.0; session.model.base.dof()] },
+    };
+    session.take_rounding_gains(gains);
+    let known = known.with_coulomb_rounding(rounding);
+    let preparation = preparation.knowing(&known);
+    if known.arm.coulomb_rounding != session.model.arm.coulomb_rounding {
+        let cutoffs_hz = session.logs.cutoffs_hz.clone();
+        session.take_data_sets(preparation.data_sets(passband, &cutoffs_hz)?, cutoffs_hz);
+        session.know(known.clone());
+    }
+    let mut noise = session.settle_baseline()?;
+    let of_fit = (&noise.whitener, &noise.projection.residual);
+    let likeliest = preparation.own_cutoffs((&session.model.arm, &session.logs.train.rows), of_fit, cutoff_hz)?;
+    let own: Vec<f64> = likeliest.iter().map(|hz| preparation.raised(*hz)).collect();
+    // What is above the low-pass of the torque is not seen in it, and its factor would fit anything.
+    let seen_hz = passband.map_or(f64::INFINITY, |low_pass| low_pass.hz);
+    if own.iter().any(|hz| *hz != cutoff_hz)
+        && let Ok(data_sets) = preparation.data_sets(passband, &own)
+    {
+        tracing::debug!(?likeliest, ?own, "cut-offs of the joints");
+        session.take_data_sets(data_sets, own);
         session.take_arm_as_known();
         noise = session.settle_baseline()?;
-        let noisy = smoothing::noisy_once_moved(
-            &session.model.arm,
-            &session.logs.train.rows,
-            &noise.whitener,
-            criteria.structure.above_noise,
-        )?;
-        session.mark_noisy(&noisy);
-        session.leave_out_distorted(&noise.whitener);
-        session.take_differences(&noise.whitener)?;
-        Ok(session)
     }
+    let noise_from = smoothing::noise_from_hz(&session.logs.train.rows)?;
+    let from: Vec<f64> = likeliest.iter().zip(&noise_from).map(|(likeliest, noise)| likeliest.min(*noise)).collect();
+    let up_to: Vec<f64> = session.logs.cutoffs_hz.iter().map(|hz| hz.min(seen_hz)).collect();
+    tracing::debug!(?from, ?up_to, "bands of the encoders' noise");
+    let bands = |set: &DataSet| smoothing::bands(&session.model.arm, &set.rows, &from, &up_to);
+    let bands = [bands(&session.logs.train)?, bands(&session.logs.test)?];
+    session.take_bands(bands);
+    session.free_noise_of_encoders(seen_hz, &noise)?;
+    session.take_arm_as_known();
+    noise = session.settle_baseline()?;
+    let noisy = smoothing::noisy_once_moved(
+        &session.model.arm,
+        &session.logs.train.rows,
+        &noise.whitener,
+        criteria.structure.above_noise,
+    )?;
+    session.mark_noisy(&noisy);
+    session.leave_out_distorted(&noise.whitener);
+    session.take_differences(&noise.whitener)?;
+    Ok(session)
+}
 
-    /// Frees what the motion of each joint in its band does to the torque, by one factor: as far as that is noise of the encoder, columns of
-    /// accelerations that hold it attenuate every estimate (errors in variables; Fuller, Measurement Error Models, 1987). What its controller
-    /// makes of that noise is free, too, unless the held-out logs contradict what the training logs estimate: a controller answers in the
-    /// same way in all of them (`fit` is that without these columns).
+impl Session<'_> {
+    /// Frees what the motion of each joint in its band does to the torque, by one factor: as far as that is noise of the encoder, columns
+    /// of accelerations that hold it attenuate every estimate (errors in variables; Fuller, Measurement Error Models, 1987). What its
+    /// controller makes of that noise is free, too, unless the held-out logs contradict what the training logs estimate: a controller
+    /// answers in the same way in all of them (`fit` is that without these columns).
     fn free_noise_of_encoders(&mut self, seen_hz: f64, fit: &Fit) -> Result<()> {
         let dof = self.model.base.dof();
         let of_joints = |data: &DataSet| -> Result<Vec<Column>> {
@@ -124,7 +122,7 @@ impl<'a> Session<'a> {
         Ok(())
     }
 
-    /// Of `joints` those on which the held-out logs contradict what the training logs estimate of columns `of` them along both, added to
+    /// Those of `joints` on which the held-out logs contradict what the training logs estimate of columns `of` them along both, added to
     /// `fit`.
     fn contradicted(
         &self,

@@ -12,8 +12,8 @@ const LONGEST: usize = 50;
 const SHORTEST: usize = 12;
 const BLOCKS: usize = 30;
 
-/// Fewest blocks whose scatter estimates a variance: with fewer the t statistic has no power at the strict level, and the gate on strength is
-/// not asked. It belongs to the statistic, as the length of the blocks does.
+/// Fewest blocks whose scatter estimates a variance: with fewer the t statistic has no power at the strict level, and the gate on strength
+/// is not asked. It belongs to the statistic, as the length of the blocks does.
 const FEWEST: usize = 8;
 
 /// Added to the diagonal of the normal matrix of columns of unit length: directions that no row determines stay at zero.
@@ -45,7 +45,7 @@ pub(super) struct Estimates {
 }
 
 impl BlockProducts {
-    /// Of whitened `columns` and `torque` over the rows that `whitener` keeps of `rows`.
+    /// The blocks of whitened `columns` and `torque` over the rows that `whitener` keeps of `rows`.
     pub(super) fn new(rows: &Rows, whitener: &Whitener, columns: &[Column], torque: &Column) -> Self {
         let norms: Vec<f64> = columns.iter().map(|column| column.dot(column).sqrt()).collect();
         let norms: Vec<f64> = norms.into_iter().map(|norm| if norm > 0.0 { norm } else { 1.0 }).collect();

@@ -39,7 +39,7 @@ pub struct Minor {
     pub size: Vec<f64>,
 }
 
-/// Of findings that generic functions explain as well, or whose size differs from block to block, the largest on a joint: the law that
+/// The largest finding on a joint, of those that generic functions explain as well or whose size differs from block to block: the law that
 /// comes nearest to what stays unexplained there.
 pub(crate) fn nearest(minor: &[Minor], joint: usize) -> Option<&Minor> {
     let alike = minor.iter().filter(|one| matches!(one.failed.gate, Gate::BeyondStructure | Gate::Strength));

@@ -61,7 +61,7 @@ impl Judged {
 }
 
 impl<'a> Judge<'a> {
-    /// Of `members` in the model of `session` under the noise of `whitener`; any size matters on the joints of `any_size`.
+    /// The judge of `members` in the model of `session` under the noise of `whitener`; any size matters on the joints of `any_size`.
     ///
     /// # Errors
     /// If a log is too short to differentiate.
@@ -178,7 +178,7 @@ impl<'a> Judge<'a> {
         worse.filter(|(_, factor)| *factor > self.session.criteria.worse()).max_by(|a, b| a.1.total_cmp(&b.1))
     }
 
-    /// Of the members at `kept` the place of that without which `joint` is predicted best.
+    /// The place, of the members at `kept`, of that without which `joint` is predicted best.
     pub(super) fn without_which_best(&self, kept: &[usize], joint: usize) -> Option<usize> {
         let left = |index: &usize| {
             let mut others = kept.to_vec();

@@ -137,7 +137,8 @@ impl Trial<'_> {
 
     /// Evidence of the logs identified from for the winner, or why it is refused by them alone.
     fn seen(&self, winner: &Judged, level: f64) -> Result<std::result::Result<Seen, Refusal>> {
-        let Placed { effect, joint, parameters } = &winner.candidate.placed;
+        let placed = &winner.candidate.placed;
+        let Placed { effect, joint, .. } = placed;
         let refused = |failed, may_be| Ok(Err(Refusal { may_be, asked: false, failed }));
         let another_form = self.is_another_form(&winner.candidate);
         let is_hidden = self.is_hidden(&winner.candidate);
@@ -178,10 +179,11 @@ impl Trial<'_> {
             }
         }
         let elsewhere = if is_level(*effect) {
-            let slope = slope_beyond(&self.session.model.arm, &self.session.logs.train.rows, *joint, parameters[0]);
-            tracing::debug!(slope, level = parameters[0], "torque beyond a level");
+            let level = placed.amount();
+            let slope = slope_beyond(&self.session.model.arm, &self.session.logs.train.rows, *joint, level);
+            tracing::debug!(slope, level, "torque beyond a level");
             let flat = Judgement::below(Gate::Flat, slope, self.session.criteria.levels.most);
-            if let Some(failed) = Judgement::first_failed([flat, self.exceeded(*joint, parameters[0])]) {
+            if let Some(failed) = Judgement::first_failed([flat, self.exceeded(*joint, level)]) {
                 return refused(failed, false);
             }
             f64::NEG_INFINITY

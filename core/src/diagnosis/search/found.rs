@@ -123,7 +123,7 @@ impl Found {
     }
 
     /// With the effects that explain the data no worse: where there is none, the effect is named.
-    pub(crate) fn set_alternatives(&mut self, alternatives: Vec<Alternative>) {
+    pub(super) fn set_alternatives(&mut self, alternatives: Vec<Alternative>) {
         self.verdict = if alternatives.is_empty() { Verdict::Named } else { Verdict::OneOf };
         self.alternatives = alternatives;
     }
@@ -135,7 +135,7 @@ impl Found {
     }
 
     /// With one more effect that explains the data no worse.
-    pub(crate) fn may_also_be(&mut self, family: Family) {
+    pub(super) fn may_also_be(&mut self, family: Family) {
         let others = self.alternatives.iter().filter(|other| other.family != family).cloned();
         self.set_alternatives([Alternative { family, relative_likelihood: 1.0 }].into_iter().chain(others).collect());
     }

@@ -151,7 +151,7 @@ impl JointMap {
 }
 
 impl ResidualMap {
-    /// Of what `fixed` leaves of the torque of `data`, along the torque of `arm`; `alpha` is the family-wise level.
+    /// The map of what `fixed` leaves of the torque of `data`, along the torque of `arm`; `alpha` is the family-wise level.
     pub fn new(data: &DataSet, fixed: &[Column], arm: &Arm, criteria: &Criteria, alpha: f64, seed: u64) -> Self {
         let rows = &data.rows;
         let torque = torques(arm, rows);

@@ -29,7 +29,7 @@ pub struct Payload;
 static ABOUT: About = About {
     name: "payload",
     equation: "tau = Y(q, v, a) (m, mx, my, mz, Ixx, Ixy, Iyy, Ixz, Iyz, Izz) of a body fixed to the flange",
-    explanation: "The arm carries a tool or a load of which the model does not know, or knows another one.",
+    explanation: "The arm carries a tool or load that the model lacks or describes wrongly.",
     reference: "Atkeson, An and Hollerbach (1986), Estimation of inertial parameters of manipulator loads and links, \
                 International Journal of Robotics Research 5(3)",
     rivals: &[

@@ -73,6 +73,11 @@ impl Effect for Backlash {
         p[0] >= NARROWEST
     }
 
+    /// No position below the noise of the encoder is known.
+    fn least_size(&self, position_noise: f64) -> f64 {
+        position_noise
+    }
+
     fn gear(&self, p: &[f64]) -> Option<Gear> {
         Some(Gear { compliance: 0.0, half_gap: p[0] })
     }

@@ -71,6 +71,11 @@ impl Effect for EncoderEccentricity {
         p[0].hypot(p[1]) <= LARGEST
     }
 
+    /// No position below the noise of the encoder is known.
+    fn least_size(&self, position_noise: f64) -> f64 {
+        position_noise
+    }
+
     fn distort_position(&self, p: &[f64], signal: &mut [f64]) {
         for value in signal {
             let (sine, cosine) = value.sin_cos();

@@ -64,6 +64,11 @@ impl Effect for EncoderOffset {
         &PARAMETERS
     }
 
+    /// No position below the noise of the encoder is known.
+    fn least_size(&self, position_noise: f64) -> f64 {
+        position_noise
+    }
+
     /// An eccentricity of a joint that turns little is an offset.
     fn indistinguishable_from(&self) -> Option<&'static str> {
         Some("encoder_eccentricity")

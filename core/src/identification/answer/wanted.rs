@@ -124,7 +124,7 @@ pub(super) fn placed(wanted: &[Wanted], robot: &Robot, model: &Model) -> Result<
     Ok(each.concat())
 }
 
-/// Of effects that the logs do not separate together: those that they separate on a joint by itself, with a note on the others, which
+/// The effects that the logs separate on a joint by itself, of those that they do not separate together, with a note on the others, which
 /// were asked for on no joint by name. None where that changes nothing.
 pub(super) fn separable(
     wanted: &[Wanted],

@@ -1,7 +1,7 @@
 //! Weighted least squares along a motion without a regressor: blocks of base columns go from the kernel that makes them
 //! straight into one Gram matrix per joint, from which the solution for any weights follows.
 //!
-//! For signals that are smooth already and need no filter of torque and columns. The sums of fixed stretches of the log are
+//! For signals that are smooth already and need no filter of torque and columns. The sums of fixed sections of the log are
 //! put together in their order, so that the result does not depend on the number of threads.
 
 use super::inverse_dynamics::Model;
@@ -20,8 +20,8 @@ use std::ops::Range;
 /// Samples in the cache at once.
 const BLOCK: usize = super::base_columns::BLOCK;
 
-/// Most blocks of a stretch that one thread does: many of them to a log, so that threads are done at about the same time.
-const STRETCH: usize = 21;
+/// Most blocks of a section that one thread does: many of them to a log, so that threads are done at about the same time.
+const SECTION: usize = 21;
 
 /// A motion with the torque it took.
 ///
@@ -151,19 +151,19 @@ fn sigma_of(joint: &JointSums, beta: &[f64]) -> f64 {
 pub fn joint_sums(lanes: Lanes, model: &Model, log: Log) -> Vec<JointSums> {
     let columns = model.base_columns();
     let sizes: Vec<usize> = (0..model.dof()).map(|joint| columns.parameters(joint).len() + 1).collect();
-    let stretches: Vec<Vec<DMatrix<f64>>> = stretches(log)
+    let sections: Vec<Vec<DMatrix<f64>>> = sections(log)
         .into_par_iter()
         .with_max_len(1)
-        .map(|stretch| {
+        .map(|section| {
             let mut grams: Vec<Gram> = sizes.iter().map(|&size| Gram::new_in(lanes, size)).collect();
-            blocks(lanes, model, log, stretch, |joint, table, rows| grams[joint].add(table, rows));
+            blocks(lanes, model, log, section, |joint, table, rows| grams[joint].add(table, rows));
             grams.iter().map(Gram::matrix).collect()
         })
         .collect();
     (0..model.dof())
         .map(|joint| {
             let mut gram = DMatrix::zeros(sizes[joint], sizes[joint]);
-            stretches.iter().for_each(|stretch| gram += &stretch[joint]);
+            sections.iter().for_each(|section| gram += &section[joint]);
             let rows = log.valid.map_or(log.motion.samples(), |all| all[joint].iter().filter(|&&ok| ok).count());
             JointSums { parameters: columns.parameters(joint).to_vec(), rows, gram }
         })
@@ -179,18 +179,18 @@ pub fn triangles(model: &Model, log: Log) -> Vec<DMatrix<f64>> {
     let new = || -> Vec<Triangle> {
         (0..model.dof()).map(|joint| Triangle::new(columns.parameters(joint).len() + 1)).collect()
     };
-    let stretches: Vec<Vec<DMatrix<f64>>> = stretches(log)
+    let sections: Vec<Vec<DMatrix<f64>>> = sections(log)
         .into_par_iter()
         .with_max_len(1)
-        .map(|stretch| {
+        .map(|section| {
             let mut triangles = new();
-            blocks(Lanes::best(), model, log, stretch, |joint, table, rows| triangles[joint].add(table, rows));
+            blocks(Lanes::best(), model, log, section, |joint, table, rows| triangles[joint].add(table, rows));
             triangles.into_iter().map(Triangle::factor).collect()
         })
         .collect();
     let mut all = new();
-    for stretch in &stretches {
-        for (triangle, part) in all.iter_mut().zip(stretch) {
+    for section in &sections {
+        for (triangle, part) in all.iter_mut().zip(section) {
             triangle.add(part.as_slice(), part.nrows());
         }
     }
@@ -198,22 +198,22 @@ pub fn triangles(model: &Model, log: Log) -> Vec<DMatrix<f64>> {
 }
 
 /// Stretches of whole blocks, an even number of about equal ones where there are several: two threads then have as much to do.
-fn stretches(log: Log) -> Vec<Range<usize>> {
+fn sections(log: Log) -> Vec<Range<usize>> {
     let samples = log.motion.samples();
     let blocks = samples.div_ceil(BLOCK);
-    let least = blocks.div_ceil(STRETCH);
+    let least = blocks.div_ceil(SECTION);
     let count = if least > 1 { least.next_multiple_of(2) } else { least };
-    let border = |stretch: usize| samples.min(stretch * blocks / count * BLOCK);
-    (0..count).map(|stretch| border(stretch)..border(stretch + 1)).collect()
+    let border = |section: usize| samples.min(section * blocks / count * BLOCK);
+    (0..count).map(|section| border(section)..border(section + 1)).collect()
 }
 
 /// Hands out, block by block, each joint's columns with its torque behind them, `[column][row]`; what does not count is
 /// zero.
-fn blocks(lanes: Lanes, model: &Model, log: Log, stretch: Range<usize>, mut visit: impl FnMut(usize, &[f64], usize)) {
+fn blocks(lanes: Lanes, model: &Model, log: Log, section: Range<usize>, mut visit: impl FnMut(usize, &[f64], usize)) {
     let columns = model.base_columns();
     let mut table = Aligned::zeros(columns.places() * BLOCK);
-    for start in stretch.clone().step_by(BLOCK) {
-        let here = start..stretch.end.min(start + BLOCK);
+    for start in section.clone().step_by(BLOCK) {
+        let here = start..section.end.min(start + BLOCK);
         let rows = here.len();
         let table = &mut table[..columns.places() * rows];
         columns.write(lanes, model.chain(), [log.motion; 2], 0.0, here.clone(), table);
@@ -281,7 +281,7 @@ mod tests {
     #[test]
     fn sums_are_plain_products_in_all_lanes() {
         let model = arm();
-        for samples in [1, 37, 128, 131, STRETCH + 5] {
+        for samples in [1, 37, 128, 131, SECTION + 5] {
             let (motion, torque, valid) = log(&model, samples, 2.0);
             for valid in [None, Some(valid.as_slice())] {
                 let log = Log { motion: &motion, torque: &torque, valid };

@@ -130,7 +130,7 @@ struct Recursion<'a> {
 }
 
 /// Samples between two changes from signals one after the other to signals side by side.
-const STRETCH: usize = 256;
+const SECTION: usize = 256;
 
 impl Kernel for Recursion<'_> {
     type Output = ();
@@ -138,14 +138,14 @@ impl Kernel for Recursion<'_> {
     #[inline(always)]
     fn run<L: Lane>(self) {
         let (samples, order) = (self.samples, self.coefficients.len());
-        // Side by side, `[sample][signal]`: a stretch, and behind it what came out of the stretch after it.
-        let mut rows = vec![0.0; (STRETCH + order) * L::WIDTH];
+        // Side by side, `[sample][signal]`: a section, and behind it what came out of the section after it.
+        let mut rows = vec![0.0; (SECTION + order) * L::WIDTH];
         for signals in self.table.chunks_mut(samples * L::WIDTH) {
             let count = signals.len() / samples;
             rows.fill(0.0);
             let mut end = samples;
             while end > 0 {
-                let start = end.saturating_sub(STRETCH);
+                let start = end.saturating_sub(SECTION);
                 let length = end - start;
                 for (k, signal) in signals.chunks_exact(samples).enumerate() {
                     for (row, &x) in signal[start..end].iter().enumerate() {
@@ -170,8 +170,8 @@ impl Kernel for Recursion<'_> {
                         *y = rows[row * L::WIDTH + k];
                     }
                 }
-                // The next stretch is a full one or the first of the signal; what it needs follows it at once.
-                let next = start.min(STRETCH);
+                // The next section is a full one or the first of the signal; what it needs follows it at once.
+                let next = start.min(SECTION);
                 rows.copy_within(0..order * L::WIDTH, next * L::WIDTH);
                 end = start;
             }
@@ -217,8 +217,8 @@ impl Kernel for Forward<'_> {
     fn run<L: Lane>(self) {
         let Forward { table, samples, laws } = self;
         let order = laws.iter().map(|law| law.coefficients.len()).max().unwrap_or(0);
-        // Side by side, `[sample][signal]`: what came out before a stretch, and behind it the stretch.
-        let mut rows = vec![0.0; (order + STRETCH) * L::WIDTH];
+        // Side by side, `[sample][signal]`: what came out before a section, and behind it the section.
+        let mut rows = vec![0.0; (order + SECTION) * L::WIDTH];
         let mut weights = vec![0.0; (order + 1) * L::WIDTH];
         for (signals, laws) in table.chunks_mut(samples * L::WIDTH).zip(laws.chunks(L::WIDTH)) {
             rows.fill(0.0);
@@ -232,7 +232,7 @@ impl Kernel for Forward<'_> {
             let gain = L::load(&weights);
             let mut start = 0;
             while start < samples {
-                let end = samples.min(start + STRETCH);
+                let end = samples.min(start + SECTION);
                 for (lane, signal) in signals.chunks_exact(samples).enumerate() {
                     for (row, &x) in signal[start..end].iter().enumerate() {
                         rows[(order + row) * L::WIDTH + lane] = x;

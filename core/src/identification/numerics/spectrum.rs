@@ -26,7 +26,7 @@ pub(crate) struct Spectrum {
 }
 
 impl Spectrum {
-    /// Of a symmetric matrix, of which the lower triangle is read.
+    /// The tridiagonal form of a symmetric matrix, of which the lower triangle is read.
     ///
     /// # Panics
     /// If the matrix is not square.

@@ -119,7 +119,7 @@ impl JointRegression {
         self.torque.iter().zip(self.predict(beta)).map(|(measured, model)| measured - model).collect()
     }
 
-    /// Of a joint without an equation: `rows` rows none of which counts.
+    /// The regression of a joint without an equation: `rows` rows none of which counts.
     pub(crate) fn without_equation(joint: String, rows: usize) -> Self {
         JointRegression {
             joint,

@@ -55,7 +55,7 @@ pub(crate) struct Sums<'a> {
 }
 
 impl<'a> Sums<'a> {
-    /// Of Gram matrices, with what makes the triangles from a second pass over the rows.
+    /// The sums of Gram matrices, with what makes the triangles from a second pass over the rows.
     pub(crate) fn new(joints: Vec<JointSums>, make_triangles: impl Fn() -> Vec<DMatrix<f64>> + 'a) -> Self {
         Sums { joints, triangles: OnceCell::new(), make_triangles: Box::new(make_triangles) }
     }

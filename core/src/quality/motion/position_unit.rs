@@ -196,9 +196,9 @@ fn fitting(
 
 /// The units of the positions of all joints, as far as they are not those of SI.
 pub(crate) struct PositionUnits {
-    /// Of each joint the units that fit, where SI units do not.
+    /// The units of each joint that fit, where SI units do not.
     doubts: Vec<Option<Vec<OtherUnit>>>,
-    /// Of each joint the one whose positions it may have.
+    /// For each joint the one whose positions it may have.
     exchanged: Vec<Option<usize>>,
     kinds: Vec<JointKind>,
     /// The gears, where the positions are those of motors.

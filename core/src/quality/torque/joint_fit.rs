@@ -13,12 +13,12 @@ const ROWS_PER_COLUMN: usize = 4;
 /// The column space of a joint's model over the samples at which its direction is certain.
 pub(super) struct JointFit {
     rows: Vec<usize>,
-    /// Of the columns.
+    /// The basis of the columns.
     basis: OrthonormalBasis,
 }
 
 impl JointFit {
-    /// Of the rows at samples that are `wanted`.
+    /// The fit of the rows at samples that are `wanted`.
     pub(super) fn new(
         columns: &Channels,
         rows: &[usize],

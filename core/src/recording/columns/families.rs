@@ -46,8 +46,8 @@ pub(super) fn candidates<'a>(
     meanings.iter().enumerate().filter_map(of).collect()
 }
 
-/// Of columns that could be the same quantity, those that are called alike: measured torques before those of a controller, torques before
-/// currents, those of more joints, and names that this program writes before others.
+/// Those columns, of all that could be the same quantity, that are called alike: measured torques before those of a controller, torques
+/// before currents, those of more joints, and names that this program writes before others.
 pub(super) fn best_family(candidates: Vec<Candidate>) -> Vec<Candidate> {
     let mut families: BTreeMap<&str, Vec<Candidate>> = BTreeMap::new();
     for candidate in candidates {

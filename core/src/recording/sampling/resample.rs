@@ -12,7 +12,7 @@ pub(crate) const IRREGULAR: f64 = 0.02;
 /// A step longer than this many median steps is a gap, whatever the clock.
 pub(crate) const GAP: f64 = 2.5;
 
-/// Of a clock whose steps otherwise scatter by less than [`STEADY`] of the median, one longer than this already is: a row was
+/// A step longer than this many median steps is a gap already where the others scatter by less than [`STEADY`] of the median: a row was
 /// lost.
 const LOST_ROW: f64 = 1.5;
 const STEADY: f64 = 0.1;
@@ -47,7 +47,7 @@ pub struct Clock {
 }
 
 impl Clock {
-    /// Of times that increase; NaN and empty for fewer than two.
+    /// The clock of times that increase; NaN and empty for fewer than two.
     pub fn new(recording: &Recording) -> Self {
         let rate_hz = recording.rate_hz();
         let median = 1.0 / rate_hz;

@@ -43,7 +43,7 @@ impl Description {
         Ok(path)
     }
 
-    /// Of the joints `named` those that lead: the others follow one of them.
+    /// Those of the joints `named` that lead: the others follow one of them.
     pub fn leading(&self, named: &[String]) -> Vec<String> {
         let follows = |name: &String| {
             let joint = self.joints.iter().find(|joint| joint.name == *name);

@@ -28,13 +28,13 @@ impl XmlText {
 
     /// A text that came from `path`.
     pub(super) fn new(path: &Path, text: String) -> Self {
-        XmlText { path: path.to_owned(), text: mended(text) }
+        XmlText { path: path.to_owned(), text: corrected(text) }
     }
 
     /// The elements.
     ///
     /// # Errors
-    /// If the text is no XML even after mending; the error names the line.
+    /// If the text is no XML even after correction; the error names the line.
     pub(super) fn parse(&self) -> Result<Document<'_>> {
         parse(&self.text)
             .map_err(|e| Error::input(&self.path, Some(e.pos().row as usize), "XML", format!("not well-formed: {e}")))
@@ -59,7 +59,7 @@ pub(super) fn decoded(bytes: Vec<u8>) -> String {
 
 /// The text with what strict parsers refuse and lenient ones let pass set right: prefixes nobody declared, two hyphens in
 /// a comment, an XML declaration that is not at the start.
-fn mended(mut text: String) -> String {
+fn corrected(mut text: String) -> String {
     for _ in 0..MOST_REPAIRS {
         let repaired = match parse(&text) {
             Err(roxmltree::Error::UnknownNamespace(prefix, _)) => declared(&text, &prefix),

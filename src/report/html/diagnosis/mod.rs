@@ -255,7 +255,7 @@ fn quality(robot: &Robot, diagnosis: &Diagnosis, given: Logs) -> Section {
         )));
     }
     blocks.push(Block::text(
-        "Of the held-out logs, with the cut-off at which the positions of each joint were smoothed, that which served the torque best:",
+        "Of the held-out logs, with the cut-off at which the positions of each joint were smoothed, the cut-off with the smallest innovations:",
     ));
     let head = ["joint", "valid rows", "lowest position", "highest", "fastest", "cut-off"];
     blocks.push(Block::table(head, rows.collect()));

@@ -7,10 +7,10 @@ use labels::{level, levels, smoothing};
 
 use super::{Block, Page, Provenance, Section, Tone};
 use crate::report::console::significant;
-use crate::report::montecarlo::{noise, smoothing as short};
+use crate::report::montecarlo::{FIGURES, figures, milliseconds, noise, smoothing as short};
 use crate::report::svg::Color;
 use crate::report::svg::chart::{Chart, Mark, Trace};
-use crate::study::montecarlo::{Cell, Quantiles, Summary, Timings};
+use crate::study::montecarlo::{Cell, Summary, Timings};
 use crate::study::testbed::Variant;
 
 /// Coverage of the 95 % intervals below which they are too short.
@@ -135,40 +135,10 @@ fn percent(share: Option<f64>) -> String {
 
 fn comparison(summary: &Summary, times: &Timings) -> Section {
     let rows = summary.cells.iter().map(|cell| {
-        let quantile = |pick: &dyn Fn(Quantiles) -> f64| cell.d_beta.map_or("-".to_owned(), |q| significant(pick(q)));
-        vec![
-            noise(cell.encoder_rad),
-            noise(cell.torque_nm),
-            short(cell.signals, cell.sg_window),
-            cell.estimator.clone(),
-            quantile(&|q| q.p05),
-            quantile(&|q| q.p50),
-            quantile(&|q| q.p95),
-            relative(cell.relative_bias),
-            relative(cell.biased),
-            relative(cell.relative_spread),
-            percent(cell.coverage),
-            cell.failed.to_string(),
-            times
-                .mean(cell.signals, cell.sg_window, &cell.estimator)
-                .map_or("-".to_owned(), |s| format!("{:.1}", 1e3 * s)),
-        ]
+        let others = [percent(cell.coverage), cell.failed.to_string(), milliseconds(cell, times)];
+        figures(cell).into_iter().chain(others).collect()
     });
-    let header = [
-        "noise q, rad",
-        "tau, N m",
-        "smoothing",
-        "estimator",
-        "d_beta 5 %",
-        "50 %",
-        "95 %",
-        "bias",
-        "biased",
-        "spread",
-        "coverage",
-        "failed",
-        "ms",
-    ];
+    let header: Vec<&str> = FIGURES.into_iter().chain(["failed", "ms"]).collect();
     let torque = summary.cells.iter().map(|cell| {
         let head = [noise(cell.encoder_rad), short(cell.signals, cell.sg_window), cell.estimator.clone()];
         head.into_iter().chain(cell.torque_std_nm.iter().map(|&std| significant(std))).collect()
@@ -187,10 +157,6 @@ fn comparison(summary: &Summary, times: &Timings) -> Section {
             Block::table(joints.chain(summary.joints.iter().cloned()), torque.collect()),
         ],
     )
-}
-
-fn relative(share: Option<f64>) -> String {
-    share.map_or("-".to_owned(), |share| format!("{} %", significant(100.0 * share)))
 }
 
 /// Bias of every parameter against its spread, for the best of each noise level.
@@ -264,6 +230,7 @@ fn quality(summary: &Summary) -> Section {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::study::montecarlo::Quantiles;
 
     fn cell(noise_level: u32, sg_window: u32, d_beta: Option<f64>) -> Cell {
         let signals = if sg_window == 0 { Variant::Raw } else { Variant::SavitzkyGolay };

@@ -25,14 +25,14 @@ impl Ids {
         self.start as i64
     }
 
-    /// Of a row, a chunk or a message: the later of two is the greater.
+    /// The id of a row, a chunk or a message: the later of two is the greater.
     pub(crate) fn row(&mut self) -> u128 {
         self.next += 1;
         // Half the range is left for the rows of the file.
         u128::from(self.start) << 64 | u128::from(self.file / 2 + self.next)
     }
 
-    /// Of a recording or a view.
+    /// The id of a recording or a view.
     pub(crate) fn other(&mut self) -> u128 {
         self.next += 1;
         u128::from(self.file) << 64 | u128::from(self.next)

@@ -6,7 +6,7 @@ use crate::effects::Extent;
 /// Distance that a joint moves at least, rad or m: one that stands still has no ripple to look for.
 const LEAST_RANGE: f64 = 1e-6;
 
-/// Of a joint, from its positions and speeds in all rows and its torque in the valid ones.
+/// The extent of a joint, from its positions and speeds in all rows and its torque in the valid ones.
 pub(crate) fn extent(rows: &Rows, joint: usize) -> Extent {
     let speeds = rows.logs.iter().flat_map(|log| log.motion.qd.channel(joint));
     let positions = rows.logs.iter().flat_map(|log| log.motion.q.channel(joint));

@@ -105,7 +105,7 @@ impl<'a> Session<'a> {
     /// Whether an effect moves torque by no more than the sampling of the loop does, whatever the noise.
     pub(crate) fn sampling_makes(&self, placed: &Placed) -> bool {
         let most_s = self.sample_s().min(self.criteria.verdict.sampling_s);
-        is_shift(placed.effect) && placed.parameters[0].abs() <= most_s
+        is_shift(placed.effect) && placed.amount().abs() <= most_s
     }
 
     /// Places of the parameters of the model with `members`.

@@ -111,7 +111,7 @@ pub(crate) enum Joint {
 /// One way to understand a column's name.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Meaning {
-    /// Of the truth behind a simulated log.
+    /// Whether it belongs to the truth behind a simulated log.
     pub truth: bool,
     /// Index of the quantity.
     pub quantity: usize,

@@ -18,7 +18,7 @@ const IN_SHORT_RUNS: f64 = 0.8;
 /// Values are not brought across longer gaps than this many median steps of their own.
 const BRIDGED: f64 = 4.0;
 
-/// Of rows with blanks, those of the slower of positions and torques are kept, and the other signals are brought to their times.
+/// Keeps the rows of the slower of positions and torques where rows have blanks, and brings the other signals to their times.
 /// Nothing is done where the blanks are gaps. Returns what was done.
 pub(crate) fn without_blanks(layout: &Layout, columns: &mut [Vec<f64>], lines: &mut Vec<usize>) -> Option<String> {
     let count = lines.len();

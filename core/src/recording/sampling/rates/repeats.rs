@@ -14,7 +14,7 @@ const GOES_ON: f64 = 0.5;
 /// Slowest rate, Hz, to which a log is brought because of repeated values: below, diagnosis sees too little.
 const SLOWEST_HZ: f64 = 50.0;
 
-/// Of values that are repeated while the other signals go on, the rows of new ones are kept. Time is in seconds. Nothing is done
+/// Keeps the rows of new values where values are repeated while the other signals go on. Time is in seconds. Nothing is done
 /// where they do not come at a rate, or at a slow one. Returns what was done.
 pub(crate) fn without_repeats(layout: &Layout, columns: &mut [Vec<f64>], lines: &mut Vec<usize>) -> Option<String> {
     let changes = |table: &[usize]| -> Vec<bool> {

@@ -165,7 +165,7 @@ mod tests {
 
     /// What a lenient reader takes is edited in place, with full digits and in SI where it was recognised otherwise.
     #[test]
-    fn a_file_that_had_to_be_mended_is_edited_too() {
+    fn a_file_that_had_to_be_corrected_is_edited_too() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("arm.urdf");
         let text = "\u{feff}<!DOCTYPE robot [<!ENTITY m \"3.5\">]>\r\n<robot name=\"a\">\r\n<link name=\"b\"/>\r\n\

@@ -190,17 +190,33 @@ pub(crate) fn at_effort_limit(setup: &Setup, limited: &AtEffortLimit) -> String 
     text
 }
 
-/// The unit of efforts in a table with a line for each joint, for its header, and the names of the lines, which say it where a
-/// joint has another.
+/// The unit of efforts in a table with a line for each joint, for its header, and the names of the lines, which say their own where joints
+/// differ.
 pub(super) fn by_joint(robot: &Robot) -> (&'static str, Vec<String>) {
     if let Some(unit) = robot.common_effort_unit() {
         return (unit, robot.joint_names());
     }
-    let name = |joint: &Joint| match joint.kind {
-        JointKind::Revolute => joint.name.clone(),
-        JointKind::Prismatic => format!("{} (slides, in {})", joint.name, joint.effort_unit()),
+    let name = |joint: &Joint| {
+        let moves = match joint.kind {
+            JointKind::Revolute => "turns",
+            JointKind::Prismatic => "slides",
+        };
+        format!("{} ({moves}, in {})", joint.name, joint.effort_unit())
     };
-    (JointKind::Revolute.unit(Unit::Effort), robot.joints.iter().map(name).collect())
+    ("N m or N", robot.joints.iter().map(name).collect())
+}
+
+/// The header of a column whose unit is that of the joints, and what follows a joint's value: the unit stands in the header where all joints
+/// have one, else with each value.
+pub(super) fn with_unit(robot: Option<&Robot>, what: &str, unit: Unit) -> (String, Vec<String>) {
+    let joints = robot.map_or(&[][..], |robot| &robot.joints);
+    let units: Vec<&str> = joints.iter().map(|joint| joint.kind.unit(unit)).collect();
+    match units.first() {
+        Some(first) if units.iter().all(|unit| unit == first) => {
+            (format!("{what}, {first}"), vec![String::new(); units.len()])
+        }
+        _ => (what.to_owned(), units.iter().map(|unit| format!(" {unit}")).collect()),
+    }
 }
 
 /// Root mean square over the joints of residual over torque noise; a dash without noise.

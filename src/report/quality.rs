@@ -1,11 +1,11 @@
 //! The result of `tauscope inspect`.
 
-use super::console::{significant, table};
+use super::console::{significant, table, with_unit};
 use crate::internal::quality::excitation;
 use crate::quality::descriptions::{Alternative, Change, Verdict, is_description, words};
 use crate::quality::{Finding, JointSummary, Kind, Report, Severity, with_logs};
 use crate::recording::lenient::Rejected;
-use crate::robot::Robot;
+use crate::robot::{Robot, Unit};
 use serde::Serialize;
 use std::path::Path;
 
@@ -221,18 +221,22 @@ fn text(path: &Path, robot: Option<&Robot>, report: &Report, own: &[&Finding]) -
     }
     if !report.joints.is_empty() {
         let percent = |share: Option<f64>| share.map_or("-".to_owned(), |s| format!("{:.0} %", 100.0 * s));
+        let columns = [("position", Unit::Position), ("speed", Unit::Velocity), ("torque rms", Unit::Effort)];
+        let [position, speed, torque] = columns.map(|(what, unit)| with_unit(robot, what, unit));
+        let unit = |units: &[String], joint: usize| units.get(joint).cloned().unwrap_or_default();
         let rows = report
             .joints
             .iter()
-            .map(|joint| {
+            .enumerate()
+            .map(|(place, joint)| {
                 vec![
                     joint.name.clone(),
-                    format!("{:.3} .. {:.3}", joint.range[0], joint.range[1]),
+                    format!("{:.3} .. {:.3}{}", joint.range[0], joint.range[1], unit(&position.1, place)),
                     percent(joint.range_share),
-                    significant(joint.speed),
+                    significant(joint.speed) + &unit(&speed.1, place),
                     percent(joint.speed_share),
                     joint.reversals.to_string(),
-                    significant(joint.torque_rms),
+                    significant(joint.torque_rms) + &unit(&torque.1, place),
                     percent(joint.unexplained),
                     joint.dead_time_s.map_or("-".to_owned(), |lag| format!("{:.1}", 1e3 * lag)),
                 ]
@@ -240,12 +244,12 @@ fn text(path: &Path, robot: Option<&Robot>, report: &Report, own: &[&Finding]) -
             .collect();
         let header = [
             "joint",
-            "position",
+            position.0.as_str(),
             "of limits",
-            "speed",
+            speed.0.as_str(),
             "of limit",
             "reversals",
-            "torque rms",
+            torque.0.as_str(),
             "unexplained",
             "torque lag, ms",
         ];

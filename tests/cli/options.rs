@@ -33,6 +33,32 @@ fn json_is_one_object_with_its_schema() {
 }
 
 #[test]
+fn an_option_for_logs_takes_several() {
+    let case = Case::new(&[]);
+    assert_done(&case.tauscope(&["simulate", "s.toml", "--out", "out", "--quiet"]));
+    let of = |logs: &[&str]| {
+        let output = case.tauscope(&[&["identify", "--robot", "arm.urdf", "--json", "--out", "of"], logs].concat());
+        assert_done(&output);
+        let value: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        value["without_effects"]["rows"].clone()
+    };
+    let [one, other] = ["out/recording.csv", "out/held_out.csv"];
+    let together = of(&["--train", one, other]);
+    assert_eq!(together, of(&["--train", one, "--train", other]));
+    assert_ne!(together, of(&["--train", one, "--test", other]));
+    // The second file is a log, and not an argument that nobody expects.
+    for command in [&["diagnose", "--robot", "arm.urdf", "--train"][..], &["payload", one, other, "--before"]] {
+        let output = case.tauscope(&[command, &[one, "out/none.csv"]].concat());
+        assert!(
+            text(&output.stderr).contains("none.csv") && output.status.code() == Some(2),
+            "{}",
+            text(&output.stderr)
+        );
+        assert!(!text(&output.stderr).contains("unexpected argument"), "{}", text(&output.stderr));
+    }
+}
+
+#[test]
 fn quiet_prints_nothing() {
     let case = Case::new(&[]);
     for arguments in

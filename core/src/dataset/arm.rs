@@ -287,7 +287,8 @@ impl LoggedArm {
 fn believed(description: &Description, choice: &Choice, trust: Trust) -> Result<Robot> {
     if trust == Trust::Structure {
         let mut robot = description.robot(choice, InertiaCheck::Ignored)?;
-        robot.notes.extend(robot.placeholders());
+        let note = |known: String| format!("{known}: `identify` and `diagnose` estimate them (--trust structure)");
+        robot.notes.extend(robot.placeholders().map(note));
         return Ok(robot);
     }
     let mut robot = match description.robot(choice, InertiaCheck::Required) {
@@ -307,7 +308,8 @@ fn believed(description: &Description, choice: &Choice, trust: Trust) -> Result<
         let problem = "no link that moves has a mass to trust; describe the inertias, or use --trust structure";
         return Err(Error::input(&description.source, None, "inertial", problem));
     }
-    robot.notes.extend(robot.placeholders());
+    let note = |known: String| format!("{known}: use --trust structure, which estimates them");
+    robot.notes.extend(robot.placeholders().map(note));
     Ok(robot)
 }
 

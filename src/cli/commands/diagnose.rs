@@ -39,7 +39,7 @@ const LEAST_ROUNDS: usize = 2;
 #[derive(Debug, clap::Args)]
 #[command(
     group = ArgGroup::new("identified from").args(["train", "dataset"]).required(true),
-    mut_arg("test", |test| test.help("Held-out log of a different motion. Repeatable. Default: the last 30 % of each training log")),
+    mut_arg("test", |test| test.help("Held-out logs of different motions. Repeatable. Default: the last 30 % of each training log")),
     after_help = "\
 Exit codes: 0 an answer, also that nothing is missing; 2 bad input, also logs whose faults forbid an answer (not_testable).
 
@@ -49,8 +49,8 @@ Example:
 pub(crate) struct Arguments {
     #[command(flatten)]
     logs: LogArguments,
-    /// Reference log: one from before a change. The question is then what changed: a payload, wear, a new hose. Repeatable.
-    #[arg(long, value_name = "LOG", help_heading = "Logs")]
+    /// Reference logs: those from before a change. The question is then what changed: a payload, wear, a new hose. Repeatable.
+    #[arg(long, value_name = "LOG", num_args = 1.., help_heading = "Logs")]
     reference: Vec<PathBuf>,
     #[command(flatten)]
     arm: ArmArguments,

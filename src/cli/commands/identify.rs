@@ -118,7 +118,7 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     notes.extend(report::constants(&robot, fitted));
     notes.extend(report::falling_friction(&robot, fitted));
     notes.extend(report::negative_coulomb(&robot, fitted));
-    notes.extend(report::negative_rotor(&robot, fitted));
+    notes.extend(report::negative_rotor(&robot, fitted, identified, logs.train));
     notes.extend(report::between_logs(fitted));
     if arguments.trust == Trust::Nominal {
         notes.extend(report::unlike_described(&robot, fitted, logs.train));

@@ -20,11 +20,11 @@ pub(crate) struct Arguments {
     before: PathBuf,
     /// Log with the load, or a dataset (.toml) of such logs.
     after: PathBuf,
-    /// One more log without the load; repeat for more.
-    #[arg(long = "before", value_name = "LOG")]
+    /// More logs without the load. Repeatable.
+    #[arg(long = "before", value_name = "LOG", num_args = 1..)]
     more_before: Vec<PathBuf>,
-    /// One more log with the load; repeat for more.
-    #[arg(long = "after", value_name = "LOG")]
+    /// More logs with the load. Repeatable.
+    #[arg(long = "after", value_name = "LOG", num_args = 1..)]
     more_after: Vec<PathBuf>,
     #[command(flatten)]
     arm: ArmArguments,

@@ -10,11 +10,11 @@ use std::path::PathBuf;
 #[derive(Debug, Clone, clap::Args)]
 #[command(next_help_heading = "Logs")]
 pub(crate) struct LogArguments {
-    /// Training log: parameters are estimated from it. Repeatable.
-    #[arg(long, value_name = "LOG")]
+    /// Training logs: parameters are estimated from them. Repeatable.
+    #[arg(long, value_name = "LOG", num_args = 1..)]
     pub train: Vec<PathBuf>,
-    /// Held-out log of a different motion: no parameter is fitted to it. Repeatable.
-    #[arg(long, value_name = "LOG")]
+    /// Held-out logs of different motions: no parameter is fitted to them. Repeatable.
+    #[arg(long, value_name = "LOG", num_args = 1..)]
     pub test: Vec<PathBuf>,
     /// Dataset: a TOML file that describes logs (columns, units, motors, payload, mounting) and names training and held-out logs.
     #[arg(long, value_name = "TOML", conflicts_with_all = ["train", "test"])]

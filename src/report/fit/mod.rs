@@ -7,7 +7,7 @@ pub use notes::{
     undetermined_held_out, unlike_described,
 };
 
-use super::console::{by_joint, significant, table};
+use super::console::{by_joint, significant, table, with_unit};
 use crate::identification::consistent::Consistent;
 use crate::identification::effect_model::Trust;
 use crate::identification::fit::{BetweenLogs, Fitted};
@@ -228,6 +228,13 @@ fn one_fit(robot: &Robot, fitted: &Fitted) -> OneFit {
     }
 }
 
+/// Sum of the squares that a fit leaves, each over the variance of its joint.
+fn weighted_squares(fitted: &Fitted) -> f64 {
+    let estimate = &fitted.fit.estimate;
+    let joints = estimate.rows.iter().zip(&fitted.train_rms).zip(&estimate.sigma);
+    joints.filter(|(_, sigma)| **sigma > 0.0).map(|((&rows, left), sigma)| rows as f64 * (left / sigma).powi(2)).sum()
+}
+
 /// Place of a joint's parameter among those of a fit, by its symbol: a sum is called by its first part.
 fn place_of(fitted: &Fitted, joint: usize, symbol: &str) -> Option<usize> {
     let name = format!("{symbol}{}", joint + 1);
@@ -246,22 +253,19 @@ fn drives(robot: &Robot, fitted: &Fitted) -> String {
             _ => format!("{value} +- {}", significant(std[index])),
         }
     };
-    let unit = |unit: Unit| match robot.joints.iter().map(|joint| joint.kind.unit(unit)).collect::<Vec<_>>() {
-        units if units.windows(2).all(|pair| pair[0] == pair[1]) => {
-            units.first().copied().unwrap_or_default().to_owned()
-        }
-        _ => "SI".to_owned(),
-    };
-    let header = [
-        "identified".to_owned(),
-        format!("viscous friction, {}", unit(Unit::Damping)),
-        format!("Coulomb friction, {}", unit(Unit::Effort)),
-        format!("rotor inertia, {}", unit(Unit::Inertia)),
+    let columns = [
+        ("Fv", "viscous friction", Unit::Damping),
+        ("Fc", "Coulomb friction", Unit::Effort),
+        ("Ia", "rotor inertia", Unit::Inertia),
     ];
+    let columns = columns.map(|(symbol, what, unit)| (symbol, with_unit(Some(robot), what, unit)));
+    let headers = columns.iter().map(|(_, (header, _))| header.clone());
+    let header: Vec<String> = std::iter::once("identified".to_owned()).chain(headers).collect();
+    let in_unit = |value: String, unit: &str| if value == "-" { value } else { value + unit };
     let mut rows: Vec<Vec<String>> = (0..robot.dof())
         .map(|joint| {
-            let cells = ["Fv", "Fc", "Ia"].map(|symbol| cell(joint, symbol));
-            [robot.joints[joint].name.clone()].into_iter().chain(cells).collect()
+            let cells = columns.iter().map(|(symbol, (_, units))| in_unit(cell(joint, symbol), &units[joint]));
+            std::iter::once(robot.joints[joint].name.clone()).chain(cells).collect()
         })
         .collect();
     let mut header: Vec<&str> = header.iter().map(String::as_str).collect();
@@ -313,8 +317,9 @@ pub fn tables(robot: &Robot, found: Found) -> String {
             true => "bodies that can exist have the fitted base parameters: consistency costs nothing".to_owned(),
             false => format!(
                 "no bodies that can exist have the fitted base parameters; the nearest raise the weighted sum of squared \
-                 residuals by {}",
-                significant(found.cost)
+                 residuals by {} ({} %)",
+                significant(found.cost),
+                significant(100.0 * found.cost / weighted_squares(plain).max(f64::MIN_POSITIVE))
             ),
         };
         text += &format!("\n\nidentified.urdf: {cost}");

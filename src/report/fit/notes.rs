@@ -1,7 +1,7 @@
 //! Lines of `tauscope identify` about what to think of its numbers.
 
 use super::place_of;
-use crate::dynamics::BaseParameters;
+use crate::dynamics::{BaseParameters, Chain, mass_matrix};
 use crate::identification::consistent::Consistent;
 use crate::identification::fit::{Agreement, BetweenLogs, Constant, Fitted};
 use crate::internal::root_mean_square;
@@ -194,18 +194,46 @@ fn listed(fitted: &Fitted, negative: &[(&Joint, usize)], unit: Unit) -> String {
     each.collect::<Vec<_>>().join(", ")
 }
 
+/// Share of the inertia of a joint's bodies from which a negative rotor is reported. Filters, noise of positions and laws of friction that a
+/// model lacks put as much as 8 % into the acceleration of right logs; masses and moments of a file are known no better.
+const OF_INERTIA: f64 = 0.15;
+
+/// Positions at which the inertia of the bodies is taken.
+const POSITIONS: usize = 50;
+
 /// A line about the joints whose rotor inertia is negative, if there are any: no rotor has one, and something else acts with the
-/// acceleration.
-pub fn negative_rotor(robot: &Robot, fitted: &Fitted) -> Option<String> {
-    let joints = negative(robot, fitted, "Ia");
+/// acceleration. `bodies` are those of the arm as far as they are known, `train` the logs that were fitted.
+pub fn negative_rotor(robot: &Robot, fitted: &Fitted, bodies: &Robot, train: &[&Recording]) -> Option<String> {
+    let own = of_bodies(bodies, train);
+    let joint_of = |name: &str| robot.joints.iter().position(|joint| joint.name == name);
+    let is_much = |&(joint, place): &(&Joint, usize)| {
+        joint_of(&joint.name).is_some_and(|at| -fitted.fit.estimate.beta[place] > OF_INERTIA * own[at])
+    };
+    let joints: Vec<(&Joint, usize)> = negative(robot, fitted, "Ia").into_iter().filter(is_much).collect();
     (!joints.is_empty()).then(|| {
         format!(
-            "rotor inertia is negative on {}, which no rotor's is: accelerations are wrong (a delay between position and torque, a low-pass of one of \
-             them, a clock that runs wrong), or it makes up for another body's inertia or for a mass that the file lacks. Do not use it; `tauscope \
-             inspect` looks for delays and clocks, `tauscope diagnose` for the other causes",
+            "rotor inertia is negative on {}, which no rotor's is: something else acts with the acceleration. It may be a delay between position and \
+             torque, a low-pass of one of them, a clock that runs wrong, a mass of the file that is too large, or friction that the model lacks. Do not \
+             use it; `tauscope inspect` looks for delays and clocks, `tauscope diagnose` for the other causes",
             listed(fitted, &joints, Unit::Inertia)
         )
     })
+}
+
+/// Inertia of its bodies that each joint moves, as a mean over the logs, without rotors.
+fn of_bodies(bodies: &Robot, logs: &[&Recording]) -> Vec<f64> {
+    let (chain, inertial) = (Chain::new(bodies), bodies.inertial_parameters());
+    let mut sums = vec![0.0; bodies.dof()];
+    let mut count = 0;
+    for log in logs {
+        for row in (0..log.samples()).step_by((log.samples() * logs.len() / POSITIONS).max(1)) {
+            let q: Vec<f64> = (0..bodies.dof()).map(|joint| log.q.channel(joint)[row]).collect();
+            let inertia = mass_matrix(&chain, &inertial, &q);
+            sums.iter_mut().enumerate().for_each(|(joint, sum)| *sum += inertia[(joint, joint)]);
+            count += 1;
+        }
+    }
+    sums.into_iter().map(|sum| sum / f64::from(count.max(1))).collect()
 }
 
 /// A line about the joints whose Coulomb friction is negative, if there are any: no drive is pushed along by its friction.

@@ -26,8 +26,9 @@ fn a_scenario_holds_the_fingers() {
     assert_done(&output);
     let said = text(&output.stdout);
     assert!(
-        said.contains("as given: finger_left_joint 0.0100 m, finger_right_joint 0.0100 m\n")
-            && said.contains("joint_4"),
+        said.contains(
+            "where the logs show them or [hold] has them: finger_left_joint 0.0100 m, finger_right_joint 0.0100 m\n"
+        ) && said.contains("joint_4"),
         "{said}"
     );
     let found: serde_json::Value = serde_json::from_str(&case.read("out/identification.json")).unwrap();
@@ -102,7 +103,7 @@ fn a_joint_that_stands_elsewhere_in_every_log_is_noted() {
     assert!(kept.contains("--joints a\n"), "{kept}");
     let held = said(&["o2", "--joints", "a"]);
     assert!(held.contains(&format!("joint `b` is not under study and stands {words}: it is held between")), "{held}");
-    assert!(held.contains("as given: b 0.5500 rad"), "{held}");
+    assert!(held.contains("where the logs show them or [hold] has them: b 0.5500 rad"), "{held}");
     // The first joint's place is of no account to itself: what carries nothing that moves is not noted, what is carried is.
     let inspected = |logs: &[&str], more: &[&str]| {
         let output = case.tauscope(&[&["inspect"], logs, &["--robot", "bent.urdf"], more].concat());
@@ -121,7 +122,11 @@ fn a_joint_that_stands_elsewhere_in_every_log_is_noted() {
     let output = case.tauscope(&["identify", "--dataset", "d.toml", "--out", "o3"]);
     assert_done(&output);
     let chosen = text(&output.stdout);
-    assert!(chosen.contains("as given: b 0.4000 rad") && !chosen.contains("held between"), "{chosen}");
+    assert!(
+        chosen.contains("where the logs show them or [hold] has them: b 0.4000 rad")
+            && !chosen.contains("held between"),
+        "{chosen}"
+    );
 }
 
 #[test]

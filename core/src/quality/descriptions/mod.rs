@@ -46,7 +46,9 @@ pub(super) use findings::{findings, of_tilt};
 pub use findings::{is_description, words};
 pub(super) use judgement::{Judged, is_modelled, judge};
 pub(super) use lost_signs::is_explained_with_signs;
-pub(super) use motion_units::{are_turns, clock_factor, clock_text, gear_ratio, in_si_units, torques_deny_clock};
+pub(super) use motion_units::{
+    ClockFactor, are_turns, clock_factor, clock_text, gear_ratio, in_si_units, torques_deny_clock, unsure_clock_text,
+};
 pub use verdict::{Alternative, Shown, Spread, Verdict};
 
 #[cfg(test)]

@@ -38,7 +38,7 @@ pub struct JointSummary {
     /// The constant torque that the joint's model lacks, and the share that is unexplained with it.
     #[serde(skip)]
     pub constant: Option<Constant>,
-    /// Time by which the torque lags the motion, s, where it can be estimated.
+    /// Time by which the torque lags the motion, s, where the residual shows it.
     pub dead_time_s: Option<f64>,
 }
 

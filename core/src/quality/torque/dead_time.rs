@@ -12,6 +12,9 @@ const SHORTEST_S: f64 = 0.0015;
 /// Less has other causes, as slow noise, elastic gears and friction after reversals, for which some lag is always the best.
 const COSTS: f64 = 2.0;
 
+/// The same, of a joint, from which its lag is shown: on right logs some lag takes a tenth off.
+const SHOWN: f64 = 1.25;
+
 /// A torque that alone comes late is named from so many seconds on, where that takes this factor off its mean squared residual.
 const ALONE_S: f64 = 0.015;
 const ALONE_COSTS: f64 = 4.0;
@@ -30,6 +33,13 @@ pub(super) struct Lag {
     pub samples: f64,
     /// Mean squared residual without a lag over that with it.
     cost: f64,
+}
+
+impl Lag {
+    /// The lag, s, where it is more than what fits best by chance.
+    pub(super) fn shown_s(&self, period: f64) -> Option<f64> {
+        (self.cost > SHOWN).then_some(self.samples * period)
+    }
 }
 
 /// Which lags are tried, in samples to either side.
@@ -160,6 +170,12 @@ impl Lags {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_lag_is_shown_where_it_takes_something_off_the_residual() {
+        let shown = |cost: f64| Lag { samples: 5.0, cost }.shown_s(0.002);
+        assert!(shown(1.26).is_some_and(|lag| (lag - 0.01).abs() < 1e-12) && shown(1.24).is_none());
+    }
 
     #[test]
     fn a_valley_is_lower_than_its_ends_and_explains_most() {

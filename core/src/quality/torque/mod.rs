@@ -88,7 +88,7 @@ pub(super) fn examined(view: &View, summaries: &mut [JointSummary], robot: Optio
             let with_reversals = Channels::from_vectors(&with_reversals.collect::<Vec<_>>());
             let fit = JointFit::new(&with_reversals, &rows, motion.qd.channel(joint), view.band[joint], all);
             let lag = fit.and_then(|fit| Search::Near(reach).lag(&fit, tau));
-            summaries[joint].dead_time_s = lag.map(|lag| lag.samples * view.period);
+            summaries[joint].dead_time_s = lag.and_then(|lag| lag.shown_s(view.period));
             tracing::debug!(joint, ?lag, "lag");
             near.add(joint, lag);
             let search = Search::far(view);
@@ -99,7 +99,7 @@ pub(super) fn examined(view: &View, summaries: &mut [JointSummary], robot: Optio
     }
     out.extend(near.finding(view).or_else(|| {
         let finding = far.finding(view)?;
-        far.each().for_each(|(joint, lag)| summaries[joint].dead_time_s = Some(lag.samples * view.period));
+        far.each().for_each(|(joint, lag)| summaries[joint].dead_time_s = lag.shown_s(view.period));
         Some(finding)
     }));
     let condition = model.map(|model| condition_number(&model, &columns, rows.len()));

@@ -68,11 +68,26 @@ pub(crate) fn constant_torques(log: &mut Recording) -> Vec<String> {
     if constant.len() == with_torque {
         return Vec::new();
     }
-    let noted = |&(joint, value): &(usize, f64)| {
-        log.tau.channel_mut(joint).fill(f64::NAN);
-        format!("the torque of {} is {value} in every row: it was not measured, and is not used", log.joints[joint])
+    constant.iter().for_each(|&(joint, _)| log.tau.channel_mut(joint).fill(f64::NAN));
+    let mut values: Vec<f64> = Vec::new();
+    for &(_, value) in &constant {
+        if !values.contains(&value) {
+            values.push(value);
+        }
+    }
+    // Joints that share a value have one line.
+    let line = |value: f64| {
+        let own: Vec<String> =
+            constant.iter().filter(|own| own.1 == value).map(|&(joint, _)| log.joints[joint].clone()).collect();
+        match own.as_slice() {
+            [one] => format!("the torque of {one} is {value} in every row: it was not measured, and is not used"),
+            several => format!(
+                "the torques of {} are {value} in every row: they were not measured, and are not used",
+                several.join(", ")
+            ),
+        }
     };
-    constant.iter().map(noted).collect()
+    values.into_iter().map(line).collect()
 }
 
 /// Puts NaN in the place of velocities that are the same in every row although the position goes on, and not at a constant speed: they are

@@ -7,6 +7,7 @@
 mod interpolation;
 mod late;
 pub(super) mod rates;
+mod repeats;
 pub mod resample;
 mod restarts;
 pub(super) mod reversed;

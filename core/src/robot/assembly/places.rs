@@ -139,7 +139,9 @@ impl Description {
             let list = if self.is_given(joint, choice) { &mut given } else { &mut middle };
             list.push(format!("{} {position:.4} {unit}", joint.name));
         }
-        for (list, place) in [(given, "as given"), (middle, "in the middle of their range")] {
+        for (list, place) in
+            [(given, "where the logs show them or [hold] has them"), (middle, "in the middle of their range")]
+        {
             if !list.is_empty() {
                 notes.push(format!("joints not under study stand still {place}: {}", shortened(&list)));
             }

@@ -3,7 +3,7 @@
 use super::xml::{XmlText, decoded, is, line};
 use super::{mjcf, urdf};
 use crate::error::{Error, Result};
-use crate::robot::description::Description;
+use crate::robot::description::{Description, Motion};
 use roxmltree::{Document, Node};
 use std::io::ErrorKind;
 use std::path::Path;
@@ -87,6 +87,7 @@ fn of_bytes(path: &Path, bytes: Vec<u8>) -> Result<Description> {
     if let Some(node) = macros(&document) {
         return Err(refusal(path, Some(line(&node)), "a xacro file, not the URDF it makes", XACRO_CURE));
     }
+    let spent = spent(&document);
     let unfilled = source.text.contains("${") || source.text.contains("$(");
     let read = urdf::read(source.clone());
     match read {
@@ -94,12 +95,23 @@ fn of_bytes(path: &Path, bytes: Vec<u8>) -> Result<Description> {
             Error::Input { line, .. } => Err(refusal(path, *line, "a xacro file, not the URDF it makes", XACRO_CURE)),
             _ => Err(error),
         },
+        Ok(description) if spent.is_some() && moves_nothing(&description) => Err(refusal(
+            path,
+            spent,
+            "a xacro file that makes no joint that moves by itself, not the URDF it makes",
+            XACRO_CURE,
+        )),
         Ok(mut description) if unfilled => {
             description.notes.extend(unfilled_names(&description));
             Ok(description)
         }
         read => read,
     }
+}
+
+/// Whether a robot has no joint that can move.
+fn moves_nothing(description: &Description) -> bool {
+    description.joints.iter().all(|joint| matches!(joint.motion, Motion::Fixed))
 }
 
 /// Names that a xacro file left open, as `${prefix}elbow`.
@@ -193,13 +205,14 @@ fn plain(path: &Path, text: &str) -> Option<(&'static str, &'static str)> {
     let digits = |line: &str| line.bytes().any(|byte| byte.is_ascii_digit());
     let is_table = text.lines().skip(1).take(3).any(digits) || digits(first);
     let words = |separator: char| is_table && first.split(separator).count() > 2;
-    if text.starts_with("solid") && text.contains("facet") {
+    let named = |end: &str| path.extension().is_some_and(|e| e.eq_ignore_ascii_case(end));
+    if text.starts_with("solid") && (text.contains("facet") || named("stl")) {
         Some(("an STL mesh", MESH_CURE))
     } else if text.starts_with(['{', '[']) && path.extension().is_none_or(|e| e != "toml") && !first.contains("]]") {
         Some(("JSON", "give the arm's URDF; a robot is read from URDF or MJCF"))
     } else if text.contains("schema = \"tauscope.") {
         Some(("a tauscope file", "give the URDF that it names"))
-    } else if text.contains("\nv ") && text.contains("\nf ") {
+    } else if text.contains("\nv ") && (text.contains("\nf ") || named("obj")) {
         Some(("an OBJ mesh", MESH_CURE))
     } else if words(',') || words(';') || is_table && first.split_whitespace().count() > 2 {
         Some(("a table or log", LOG_CURE))
@@ -225,8 +238,17 @@ fn other(root: &Node) -> Option<(&'static str, &'static str)> {
 
 /// The first element of xacro that has still to be expanded.
 fn macros<'a>(document: &'a Document) -> Option<Node<'a, 'a>> {
+    of_xacro(document).find(|node| !SPENT.contains(&node.tag_name().name()))
+}
+
+/// Line of the first element of xacro that needs not be expanded.
+fn spent(document: &Document) -> Option<usize> {
+    of_xacro(document).next().map(|node| line(&node))
+}
+
+fn of_xacro<'a>(document: &'a Document) -> impl Iterator<Item = Node<'a, 'a>> {
     let foreign = |node: &Node| node.tag_name().namespace().is_some_and(|uri| uri.contains("xacro"));
-    document.descendants().find(|node| node.is_element() && foreign(node) && !SPENT.contains(&node.tag_name().name()))
+    document.descendants().filter(move |node| node.is_element() && foreign(node))
 }
 
 #[cfg(test)]
@@ -325,6 +347,10 @@ mod tests {
         for (bytes, words) in [
             (xacro.as_bytes(), ["xacro file", "`xacro robot.urdf -o robot.urdf`"]),
             (b"<robot><link name=\"${prefix}a\"/><link/></robot>", ["xacro file", "`xacro "]),
+            (
+                b"<robot name=\"a\"><xacro:property name=\"p\" value=\"1\"/><link name=\"b\"/></robot>",
+                ["xacro file", "`xacro "],
+            ),
             (b"<sdf version=\"1.9\"><model name=\"a\"/></sdf>", ["SDF", "`sdf2mjcf "]),
             (b"#usda 1.0\n", ["USD", "`usd_to_urdf "]),
             (b"PXR-USDC\0\0", ["USD", "`usd_to_urdf "]),
@@ -343,6 +369,9 @@ mod tests {
             let message = of_bytes(Path::new("robot.urdf"), bytes.to_vec()).unwrap_err().to_string();
             assert!(words.iter().all(|word| message.contains(word)) && message.lines().count() == 1, "{message}");
         }
+        // The name tells what a text is that holds too little.
+        let named = |name: &str| of_bytes(Path::new(name), b"solid a\n".to_vec()).unwrap_err().to_string();
+        assert!(named("a.STL").contains("an STL mesh") && named("a.urdf").contains("a text of another kind"));
     }
 
     proptest! {

@@ -14,13 +14,13 @@ impl Robot {
     pub fn placeholders(&self) -> Option<String> {
         let bodies: Vec<&Joint> = (0..self.bodies()).map(|body| self.body(body)).collect();
         if bodies.iter().all(|body| body.inertia.mass() == 0.0) {
-            return Some("the robot's file describes no inertias of the links that move: use --trust structure, which estimates them".into());
+            return Some("the robot's file describes no inertias of the links that move".into());
         }
         // A tool that is welded to the last link may make that another.
         let alike = bodies.iter().filter(|body| is_same(body, bodies[0])).count();
         (alike >= FEWEST && alike + 1 >= bodies.len()).then(|| {
             format!(
-                "the inertias of the robot's file are placeholders: identical for {alike} links ({} kg each); use --trust structure, which estimates them",
+                "the inertias of the robot's file are placeholders: identical for {alike} links ({} kg each)",
                 bodies[0].inertia.mass()
             )
         })
@@ -63,7 +63,7 @@ mod tests {
             )
         };
         let said = with(&|joint| body(2.0, 0.1 * joint as f64)).unwrap();
-        assert!(said.contains("identical for 6 links (2 kg each)") && said.contains("--trust structure"), "{said}");
+        assert!(said.contains("identical for 6 links (2 kg each)"), "{said}");
         // A tool on the last link; other masses.
         assert!(with(&|joint| body(if joint == 5 { 2.4 } else { 2.0 }, 0.0)).is_some());
         assert_eq!(with(&|joint| body(if joint > 3 { 2.4 } else { 2.0 }, 0.0)), None);

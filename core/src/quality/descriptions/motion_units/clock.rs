@@ -1,4 +1,4 @@
-//! The factor by which a clock runs wrong, in a log without velocities: from the torques of gravity and inertia.
+//! The factor by which a clock runs wrong, in logs without velocities: from the torques of gravity and inertia.
 //!
 //! Masses and their places act in gravity and in inertia, so that the torque of gravity gives the size of that of inertia, and with it the
 //! square of time. Free bodies show it by themselves where the clock is wrong by much: wrong masses, and inertias that are placeholders,
@@ -34,7 +34,7 @@ const REPORTED_BY_BOTH: f64 = 1.15;
 /// A factor this near to a power of ten is that: a wrong unit or a point that was lost.
 const OF_TEN: f64 = 0.12;
 
-/// Samples that are looked at, from the middle of the log.
+/// Samples that are looked at, from the middles of the logs.
 const MOST_SAMPLES: usize = 20_000;
 
 /// A controller whose masses are wrong by half takes off so much of gravity that inertia is three times as large against the rest: as
@@ -47,15 +47,25 @@ const SLOW: f64 = 1e-3;
 /// A time in which fewer blocks are left compares nothing.
 const FEWEST_BLOCKS: usize = 8;
 
-/// True seconds per second of the clock, where bodies explain the torques clearly better by it than by the clock, and than without
-/// inertia: a factor that only makes noisy accelerations small is none of the clock. No other change of the description explains them as
-/// well in the time of the clock.
+/// A factor of a clock.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct ClockFactor {
+    /// True seconds per second of the clock.
+    pub factor: f64,
+    /// Whether nothing else explains the torques as well.
+    pub is_sure: bool,
+}
+
+/// True seconds per second of the clock that made these logs, where bodies explain their torques clearly better by it than by the clock, and
+/// than without inertia: a factor that only makes noisy accelerations small is none of the clock. No other change of the description
+/// explains them as well in the time of the clock. It is not sure where only the described bodies show it.
 ///
 /// # Errors
 /// Those of the filters.
-pub(crate) fn clock_factor(log: &Recording, robot: &Robot) -> Result<Option<f64>> {
-    let log = middle(log);
-    let times = Times { log: &log, robot, rows: RefCell::default() };
+pub(crate) fn clock_factor(logs: &[&Recording], robot: &Robot) -> Result<Option<ClockFactor>> {
+    let most = MOST_SAMPLES / logs.len().max(1);
+    let logs: Vec<Recording> = logs.iter().map(|log| middle(log, most)).collect();
+    let times = Times { logs: &logs, robot, rows: RefCell::default() };
     let masses = Physics::masses(robot);
     let masses = masses.as_ref().map(|masses| Timing::new(&times, masses)).transpose()?;
     let by_masses = masses.as_ref().map(Timing::factor).transpose()?;
@@ -69,19 +79,20 @@ pub(crate) fn clock_factor(log: &Recording, robot: &Robot) -> Result<Option<f64>
     }
     let free = Physics::free(robot);
     let free = Timing::new(&times, &free)?;
-    let confirmed = match (&masses, shown) {
-        (Some(masses), Some(factor)) => confirmed(masses, factor, &free)?,
+    let of_masses = match (&masses, shown) {
+        (Some(masses), Some(factor)) => by_described_bodies(masses, factor, &free)?,
         _ => None,
     };
-    let found = match confirmed {
-        Some(found) => Some(found),
-        None => by_free_bodies(&free)?,
+    let found = match of_masses {
+        Some((found, share)) if found.is_sure => Some((found, share)),
+        unsure => by_free_bodies(&free)?.or(unsure),
     };
-    let Some((factor, share)) = found else { return Ok(None) };
+    let Some((found, share)) = found else { return Ok(None) };
     // Torques without gravity, or under another, change the ratio of gravity to inertia too.
-    let other = judge(&[&View::new(&log, Some(robot))?], Some(robot));
+    let views: Vec<View> = logs.iter().map(|log| View::new(log, Some(robot))).collect::<Result<_>>()?;
+    let other = judge(&views.iter().collect::<Vec<_>>(), Some(robot));
     let explains = other.verdict.is_some_and(|verdict| verdict.after < DISTINCT * share);
-    Ok((!explains).then_some(factor))
+    Ok((!explains).then_some(found))
 }
 
 /// Whether the torques deny a factor that velocities show: bodies explain them clearly better in the time of the clock than in a time that
@@ -90,8 +101,8 @@ pub(crate) fn clock_factor(log: &Recording, robot: &Robot) -> Result<Option<f64>
 /// # Errors
 /// Those of the filters.
 pub(crate) fn torques_deny_clock(log: &Recording, robot: &Robot, factor: f64) -> Result<bool> {
-    let log = middle(log);
-    let times = Times { log: &log, robot, rows: RefCell::default() };
+    let log = [middle(log, MOST_SAMPLES)];
+    let times = Times { logs: &log, robot, rows: RefCell::default() };
     let Some(rows) = times.rows(1.0)?.filter(|rows| rows.log.len() >= FEWEST_BLOCKS) else { return Ok(false) };
     let denied = |physics: Physics| -> Result<bool> {
         let timing = Timing::new(&times, &physics)?;
@@ -106,56 +117,66 @@ fn is_clear(gain: &Comparison) -> bool {
     gain.is_better(TRIED.len(), EXPLAINED) && gain.is_large(1)
 }
 
-/// The middle of a log, of as many samples as are looked at.
-fn middle(log: &Recording) -> Recording {
-    let start = log.samples().saturating_sub(MOST_SAMPLES) / 2;
-    log.slice(start..(start + MOST_SAMPLES).min(log.samples()))
+/// The middle of a log, of so many samples at most.
+fn middle(log: &Recording, most: usize) -> Recording {
+    let start = log.samples().saturating_sub(most) / 2;
+    log.slice(start..(start + most).min(log.samples()))
 }
 
-/// A factor that the described bodies show, whatever they weigh, where free bodies confirm it: moments of inertia that are placeholders
-/// show one that free bodies deny. With the share of the torques that free bodies leave then.
-fn confirmed(masses: &Timing, factor: f64, free: &Timing) -> Result<Option<(f64, f64)>> {
+/// A factor that the described bodies show, whatever they weigh, with the share of the torques that free bodies leave then. It is sure where
+/// these confirm it. Where they explain the torques as well by the clock, moments of inertia that are described wrongly are as good a cause;
+/// where they deny the factor, these are the cause.
+fn by_described_bodies(masses: &Timing, factor: f64, free: &Timing) -> Result<Option<(ClockFactor, f64)>> {
     let Some(rows) = masses.times.rows(factor)? else { return Ok(None) };
     let (Some(own), Some(of_free)) = (masses.tried(&rows), free.tried(&rows)) else { return Ok(None) };
-    let confirms = || free.gain(&rows, &of_free, factor).is_some_and(|gain| gain.is_distinct());
-    let shown = own.share() < WRONG_MASSES && masses.is_shown(&rows, &own, factor) && confirms();
-    Ok(shown.then(|| (factor, of_free.share())))
+    if own.share() >= WRONG_MASSES || !masses.is_shown(&rows, &own, factor) {
+        return Ok(None);
+    }
+    let is_sure = free.gain(&rows, &of_free, factor).is_some_and(|gain| gain.is_distinct());
+    let denies = || free.loss(&rows, &of_free, factor).is_none_or(|loss| loss.is_distinct());
+    let is_possible = is_sure || !denies();
+    Ok(is_possible.then(|| (ClockFactor { factor, is_sure }, of_free.share())))
 }
 
 /// A factor that free bodies show, with the share of the torques that they leave then.
-fn by_free_bodies(free: &Timing) -> Result<Option<(f64, f64)>> {
+fn by_free_bodies(free: &Timing) -> Result<Option<(ClockFactor, f64)>> {
     let factor = free.factor()?;
     if factor.ln().abs() < REPORTED.ln() {
         return Ok(None);
     }
     let Some(rows) = free.times.rows(factor)? else { return Ok(None) };
     let Some(with) = free.tried(&rows) else { return Ok(None) };
-    Ok(free.is_shown(&rows, &with, factor).then(|| (factor, with.share())))
+    Ok(free.is_shown(&rows, &with, factor).then(|| (ClockFactor { factor, is_sure: true }, with.share())))
 }
 
-/// A log in other times.
+/// Logs in other times.
 struct Times<'a> {
-    log: &'a Recording,
+    logs: &'a [Recording],
     robot: &'a Robot,
-    /// Its rows by factor, as far as they were asked for: free and described bodies are tried on the same.
+    /// Their rows by factor, as far as they were asked for: free and described bodies are tried on the same.
     rows: RefCell<Vec<(f64, Option<Rc<Rows>>)>>,
 }
 
 impl Times<'_> {
-    /// The rows of the log where the clock has so many true seconds per second.
+    /// The rows of the logs where the clock has so many true seconds per second.
     fn rows(&self, factor: f64) -> Result<Option<Rc<Rows>>> {
         if let Some((_, known)) = self.rows.borrow().iter().find(|(own, _)| *own == factor) {
             return Ok(known.clone());
         }
-        let mut log = self.log.clone();
-        in_true_time(&mut log.time, factor);
-        let rows = Rows::new(&[&View::new(&log, Some(self.robot))?], Some(self.robot)).map(Rc::new);
+        let in_time = |log: &Recording| {
+            let mut log = log.clone();
+            in_true_time(&mut log.time, factor);
+            log
+        };
+        let logs: Vec<Recording> = self.logs.iter().map(in_time).collect();
+        let views: Vec<View> = logs.iter().map(|log| View::new(log, Some(self.robot))).collect::<Result<_>>()?;
+        let rows = Rows::new(&views.iter().collect::<Vec<_>>(), Some(self.robot)).map(Rc::new);
         self.rows.borrow_mut().push((factor, rows.clone()));
         Ok(rows)
     }
 }
 
-/// What a log looks like in another time, under what is known of the arm.
+/// What logs look like in another time, under what is known of the arm.
 struct Timing<'a> {
     times: &'a Times<'a>,
     physics: &'a Physics,
@@ -213,6 +234,12 @@ impl<'a> Timing<'a> {
         compare(&other.evaluation, &with.evaluation, &rows.log)
     }
 
+    /// What a motion that is so many times faster gains over rows in true time, `with` which the torques are tried.
+    fn loss(&self, rows: &Rows, with: &Tried, than: f64) -> Option<Comparison> {
+        let other = self.tried(&Rows { motion: faster(&rows.motion, than), ..rows.clone() })?;
+        compare(&with.evaluation, &other.evaluation, &rows.log)
+    }
+
     /// Whether a factor explains half of the torques, clearly better than the clock does, and than motion without inertia does, and torques
     /// without gravity.
     fn is_shown(&self, rows: &Rows, with: &Tried, factor: f64) -> bool {
@@ -253,11 +280,21 @@ fn faster(motion: &Motion, factor: f64) -> Motion {
     Motion { q: motion.q.clone(), qd: times(&motion.qd, factor), qdd: times(&motion.qdd, factor * factor) }
 }
 
-/// What is said of it.
+/// What is said of a factor that is sure.
 pub(crate) fn clock_text(factor: f64) -> String {
     let digits = crate::quality::velocity::digits(factor);
     format!(
         "inertia and gravity in the torques belong together only if true time is about {digits} times that of the clock: the clock is wrong \
          by this factor. Set [units] time_factor = {digits} in a dataset, or log true time stamps (or velocities, which show it too)"
+    )
+}
+
+/// What is said of one that is not.
+pub(crate) fn unsure_clock_text(factor: f64) -> String {
+    let digits = crate::quality::velocity::digits(factor);
+    format!(
+        "the robot's bodies, whatever they weigh, explain the torques only if true time is about {digits} times that of the clock; other bodies on \
+         these joints explain them by the clock as well. Either the clock is wrong by this factor ([units] time_factor = {digits} in a dataset), or \
+         the file's moments of inertia are. Log true time stamps or velocities, or give more logs"
     )
 }

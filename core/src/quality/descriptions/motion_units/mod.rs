@@ -10,7 +10,7 @@ mod mixed;
 mod scaled;
 mod turns;
 
-pub(crate) use clock::{clock_factor, clock_text, torques_deny_clock};
+pub(crate) use clock::{ClockFactor, clock_factor, clock_text, torques_deny_clock, unsure_clock_text};
 pub(crate) use gears::ratio as gear_ratio;
 pub(crate) use mixed::in_si_units;
 pub(crate) use turns::are_turns;

@@ -1,6 +1,7 @@
 //! Sets of changes that the logs do not separate, compared by what else is known of the arm.
 
 use super::smallest::{Found, Outcome};
+use super::usual_zeros::with_usual_zeros;
 use crate::quality::descriptions::change::{Change, Description};
 use crate::quality::descriptions::compare::{EXPLAINED, compare};
 use crate::quality::descriptions::fitting::{Physics, Rows};
@@ -34,6 +35,7 @@ pub(in crate::quality::descriptions) fn settled(
     mut outcome: Outcome,
 ) -> Outcome {
     outcome.found = outcome.found.take().map(|found| {
+        let found = with_usual_zeros(known.physics, bodies, rows, found);
         let mut found = within_limits(rows, with_directions(known.physics, rows, found));
         let Some(bodies) = bodies else { return found };
         if let Some(core) = in_common(known, bodies, rows, &outcome.start, &found) {

@@ -4,6 +4,7 @@
 //! blocks, and a set replaces a smaller one only where the paired comparison finds it clearly better. Sets of the same size
 //! that are not separable from the best are its rivals.
 
+use super::needed;
 use crate::quality::descriptions::change::Description;
 use crate::quality::descriptions::compare::{Comparison, EXPLAINED, EXPLAINED_ALONE, compare};
 use crate::quality::descriptions::fitting::{Fit, Physics, Rows};
@@ -141,7 +142,8 @@ pub(in crate::quality::descriptions) fn search(
             }
         }
         tried += candidates.len();
-        let judged = judged(physics, [rows, &whole], &candidates, &start);
+        let mut judged = judged(physics, [rows, &whole], &candidates, &start);
+        refine(physics, [rows, &whole], &mut judged, &start);
         seen.extend(candidates);
         grown = judged.iter().take(GROWN).map(|(tried, _)| tried.description.clone()).collect();
         let reached = found.as_ref().map_or(0.0, |found| found.gain.gain);
@@ -159,6 +161,7 @@ pub(in crate::quality::descriptions) fn search(
             break;
         }
     }
+    let found = found.map(|found| needed::only(physics, [rows, &whole], &start, found));
     let gravity = found.as_ref().map(|found| found.best.description.gravity);
     let rest = found.and_then(|found| found.without_tilts(physics, rows, &start));
     let tilt = gravity.filter(|_| rest.is_none());
@@ -206,6 +209,22 @@ fn judged(
         tracing::debug!(?changes, unexplained = ?tried.evaluation.unexplained, gain = gain.gain, p = gain.p, "judged");
     }
     judged
+}
+
+/// Fits the zeros of the best anew, which were fitted before the last change came; the best first.
+fn refine(physics: &Physics, [rows, whole]: [&Rows; 2], judged: &mut [(Tried, Comparison)], start: &Tried) {
+    let better = |(tried, gain): &(Tried, Comparison)| {
+        let refined = zeros::refined(physics, whole, &tried.description)?;
+        let own = Tried::new(physics, rows, refined)?;
+        let own_gain = compare(&start.evaluation, &own.evaluation, &rows.log)?;
+        (own_gain.gain > gain.gain).then_some((own, own_gain))
+    };
+    for own in judged.iter_mut().take(GROWN) {
+        if let Some(refined) = better(own) {
+            *own = refined;
+        }
+    }
+    judged.sort_by(|a, b| b.1.gain.total_cmp(&a.1.gain));
 }
 
 /// The best of the judged ones that is clearly better than `reference`, with its rivals and the next. Of the `first` changes that are not

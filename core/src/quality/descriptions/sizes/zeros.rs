@@ -29,10 +29,6 @@ const REPORTED_DEG: f64 = 15.0;
 const NEAR_DEG: f64 = 2.5;
 const CONVENTION_DEG: f64 = 45.0;
 
-/// So are offsets within this of one, degrees, where the torques contradict it no more than chance would: offsets of parallel axes make up
-/// for each other.
-const PERHAPS_DEG: f64 = 8.0;
-
 /// An offset fits all rows better than none by so much, in the logarithm of the mean squares.
 const GAINS: f64 = 0.5;
 
@@ -67,28 +63,45 @@ pub(crate) fn of_neighbours(physics: &Physics, rows: &Rows, from: &Description) 
     })
 }
 
+/// The description with its offsets fitted anew: those that were fitted before another change came are not the best beside it. None where it
+/// has none, or one is then too small to be reported.
+pub(crate) fn refined(physics: &Physics, rows: &Rows, from: &Description) -> Option<Description> {
+    let (_, few) = prepared(physics, rows, from)?;
+    if from.position_offset.iter().all(|offset| *offset == 0.0) {
+        return None;
+    }
+    let merit = |offsets: &[f64]| merit_of_zeros(physics, &few, from, offsets);
+    reported(&together(from.position_offset.clone(), merit))
+        .map(|offsets| from.with_zeros(&in_limits(rows, from, offsets, merit)))
+}
+
+/// The geometry of the arm and the rows of a scan; none where zeros are not asked for.
+fn prepared(physics: &Physics, rows: &Rows, from: &Description) -> Option<(Chain, Rows)> {
+    let chain = match physics {
+        Physics::Free(model) => model.chain().clone(),
+        Physics::Bodies(robot) | Physics::Masses(robot) => Chain::new(robot),
+        Physics::Multiples(_) | Physics::Alone => return None,
+    };
+    from.scaled().next().is_none().then(|| (chain, rows.thinned(SCANNED)))
+}
+
+fn merit_of_zeros(physics: &Physics, rows: &Rows, from: &Description, offsets: &[f64]) -> f64 {
+    let description = from.with_zeros(offsets);
+    let tables = physics.tables(rows, &description);
+    merit_of(&tables, rows, &description)
+}
+
 /// The description with an offset of one more zero, which takes one of those that `taken` gives for a joint.
 fn with_more(
     physics: &Physics,
     rows: &Rows,
     from: &Description,
-    taken: impl Fn(usize) -> Vec<Taken>,
+    taken: impl Fn(usize) -> Vec<Taken> + Sync,
 ) -> Vec<Description> {
-    let chain = match physics {
-        Physics::Free(model) => model.chain().clone(),
-        Physics::Bodies(robot) | Physics::Masses(robot) => Chain::new(robot),
-        Physics::Multiples(_) | Physics::Alone => return Vec::new(),
-    };
-    if from.scaled().next().is_some() {
-        return Vec::new();
-    }
-    let few = rows.thinned(SCANNED);
-    let merit = |offsets: &[f64]| {
-        let description = from.with_zeros(offsets);
-        let tables = physics.tables(&few, &description);
-        merit_of(&tables, &few, &description)
-    };
-    let given = &from.position_offset;
+    let Some((chain, few)) = prepared(physics, rows, from) else { return Vec::new() };
+    let merit = |offsets: &[f64]| merit_of_zeros(physics, &few, from, offsets);
+    // What another offset takes from those that are there gains nothing that they gain by themselves.
+    let given = &together(from.position_offset.clone(), merit);
     let at = |joint: usize, offset: f64, taken: Taken| -> Vec<f64> {
         let mut offsets = given.clone();
         offsets[joint] = offset;
@@ -100,16 +113,24 @@ fn with_more(
     let grid = |place: usize| (place as f64 * STEP_DEG).to_radians();
     let joints: Vec<usize> =
         (0..from.dof()).filter(|&joint| rows.turns[joint] && given[joint] == 0.0 && !is_last(&chain, joint)).collect();
-    let places = |joint: usize| {
-        taken(joint).into_iter().flat_map(move |taken| (1..steps).map(move |place| (joint, place, taken)))
+    let at_places = |tried: Vec<(usize, Taken)>| -> Vec<Tried> {
+        let each: Vec<_> =
+            tried.iter().flat_map(|&(joint, taken)| (1..steps).map(move |place| (joint, place, taken))).collect();
+        let tried = |&(joint, place, taken): &(usize, usize, Taken)| {
+            let merit = merit(&at(joint, grid(place), taken));
+            Tried { joint, place, taken, merit }
+        };
+        each.par_iter().map(tried).collect()
     };
-    let tried: Vec<(usize, usize, Taken)> = joints.iter().flat_map(|&joint| places(joint)).collect();
-    let merits: Vec<f64> =
-        tried.par_iter().map(|&(joint, place, taken)| merit(&at(joint, grid(place), taken))).collect();
+    let alone = at_places(joints.iter().map(|&joint| (joint, None)).collect());
+    // A joint whose zero changes nothing about the torques, as one whose axis is vertical and stands on nothing that moves, has none.
+    let joints: Vec<usize> = joints.into_iter().filter(|&joint| shows(&alone, joint, without)).collect();
+    let beside =
+        at_places(joints.iter().flat_map(|&joint| taken(joint).into_iter().map(move |t| (joint, t))).collect());
     let refined = |&joint: &usize| {
-        let own = tried.iter().zip(&merits).filter(|((other, ..), _)| *other == joint);
-        let each = own.map(|((_, place, taken), merit)| (*place, *taken, *merit)).chain([(0, None, without)]);
-        let (least, taken, _) = each.min_by(|a, b| a.2.total_cmp(&b.2))?;
+        let own = alone.iter().filter(|_| taken(joint).contains(&None)).chain(&beside);
+        let each = own.filter(|tried| tried.joint == joint).map(|tried| (tried.place, tried.taken, tried.merit));
+        let (least, taken, _) = each.chain([(0, None, without)]).min_by(|a, b| a.2.total_cmp(&b.2))?;
         let step = STEP_DEG.to_radians();
         let offset =
             golden(grid(least) - step, grid(least) + step, SECTIONS, |offset| merit(&at(joint, offset, taken)));
@@ -120,28 +141,53 @@ fn with_more(
     let mut found: Vec<(f64, Vec<f64>)> = joints.par_iter().filter_map(refined).collect();
     found.sort_by(|a, b| a.0.total_cmp(&b.0));
     found.truncate(KEPT);
-    let together = |(_, mut offsets): (f64, Vec<f64>)| {
-        let change = CHANGES_DEG.to_radians();
+    let finished = |(_, offsets): (f64, Vec<f64>)| {
         let several = offsets.iter().filter(|offset| **offset != 0.0).count() > 1;
-        for _ in 0..if several { ROUNDS } else { 0 } {
-            let before = offsets.clone();
-            for joint in (0..offsets.len()).filter(|&joint| offsets[joint] != 0.0).collect::<Vec<_>>() {
-                let with = |offset: f64| {
-                    let mut offsets = offsets.clone();
-                    offsets[joint] = offset;
-                    merit(&offsets)
-                };
-                offsets[joint] = golden(offsets[joint] - change, offsets[joint] + change, SECTIONS, with);
-            }
-            // Offsets of parallel axes make up for each other: further along the way that the round went.
-            let along = |factor: f64| -> Vec<f64> {
-                offsets.iter().zip(&before).map(|(now, before)| now + factor * (now - before)).collect()
-            };
-            offsets = along(golden(0.0, FURTHER, SECTIONS, |factor| merit(&along(factor))));
-        }
-        reported(&conventional(&offsets, merit)).map(|offsets| from.with_zeros(&in_limits(rows, from, offsets, merit)))
+        let offsets = if several { together(offsets, merit) } else { offsets };
+        reported(&offsets).map(|offsets| from.with_zeros(&in_limits(rows, from, offsets, merit)))
     };
-    found.into_par_iter().filter_map(together).collect()
+    found.into_par_iter().filter_map(finished).collect()
+}
+
+/// An offset of the scan, with what it takes from another.
+struct Tried {
+    joint: usize,
+    place: usize,
+    taken: Taken,
+    merit: f64,
+}
+
+/// Whether the zero of a joint shows in the torques, somewhere on the circle.
+fn shows(tried: &[Tried], joint: usize, without: f64) -> bool {
+    let own = tried.iter().filter(|tried| tried.joint == joint).map(|tried| tried.merit);
+    let [least, most] = own.fold([without; 2], |[least, most], merit| [merit.min(least), merit.max(most)]);
+    most - least > GAINS
+}
+
+/// Offsets fitted one after the other, in rounds.
+fn together(mut offsets: Vec<f64>, merit: impl Fn(&[f64]) -> f64) -> Vec<f64> {
+    let change = CHANGES_DEG.to_radians();
+    let changed: Vec<usize> = (0..offsets.len()).filter(|&joint| offsets[joint] != 0.0).collect();
+    if changed.is_empty() {
+        return offsets;
+    }
+    for _ in 0..ROUNDS {
+        let before = offsets.clone();
+        for &joint in &changed {
+            let with = |offset: f64| {
+                let mut offsets = offsets.clone();
+                offsets[joint] = offset;
+                merit(&offsets)
+            };
+            offsets[joint] = golden(offsets[joint] - change, offsets[joint] + change, SECTIONS, with);
+        }
+        // Offsets of parallel axes make up for each other: further along the way that the round went.
+        let along = |factor: f64| -> Vec<f64> {
+            offsets.iter().zip(&before).map(|(now, before)| now + factor * (now - before)).collect()
+        };
+        offsets = along(golden(0.0, FURTHER, SECTIONS, |factor| merit(&along(factor))));
+    }
+    offsets
 }
 
 /// Whether a joint carries no other.
@@ -150,23 +196,11 @@ fn is_last(chain: &Chain, joint: usize) -> bool {
     !(0..chain.dof()).any(|other| other != joint && carries(other))
 }
 
-/// The multiples of the angle of conventions in the place of offsets near them, all of them or one, where these fit about as well.
-fn conventional(offsets: &[f64], merit: impl Fn(&[f64]) -> f64) -> Vec<f64> {
+/// The multiple of the angle of conventions nearest to an offset, rad, where it is within so many degrees of one other than zero.
+pub(crate) fn convention_near(offset: f64, within_deg: f64) -> Option<f64> {
     let step = CONVENTION_DEG.to_radians();
-    let usual = |offset: f64| match (offset / step).round() * step {
-        near if near != 0.0 && (near - offset).abs() < PERHAPS_DEG.to_radians() => near,
-        _ => offset,
-    };
-    let least = merit(offsets);
-    let all: Vec<f64> = offsets.iter().map(|&offset| usual(offset)).collect();
-    let one = |joint: usize| {
-        let mut out = offsets.to_vec();
-        out[joint] = usual(out[joint]);
-        out
-    };
-    let tried = std::iter::once(all).chain((0..offsets.len()).map(one)).filter(|out| out != offsets);
-    let mut fits = tried.filter(|out| merit(out) < least + GAINS);
-    fits.next().unwrap_or_else(|| offsets.to_vec())
+    let near = (offset / step).round() * step;
+    (near != 0.0 && (near - offset).abs() < within_deg.to_radians()).then_some(near)
 }
 
 /// Offsets as they are reported, rad within half a turn; none where one is too small for that.
@@ -175,9 +209,7 @@ fn reported(offsets: &[f64]) -> Option<Vec<f64>> {
         if *offset == 0.0 {
             return Some(0.0);
         }
-        let degrees = offset.to_degrees();
-        let usual = (degrees / CONVENTION_DEG).round() * CONVENTION_DEG;
-        let degrees = if (degrees - usual).abs() < NEAR_DEG { usual } else { degrees };
+        let degrees = convention_near(*offset, NEAR_DEG).unwrap_or(*offset).to_degrees();
         // Half a turn is written as a positive one.
         let degrees = 180.0 - (180.0 - degrees).rem_euclid(360.0);
         (degrees.abs() > REPORTED_DEG).then(|| degrees.to_radians())
@@ -219,19 +251,21 @@ fn in_limits(rows: &Rows, from: &Description, offsets: Vec<f64>, merit: impl Fn(
 
 #[cfg(test)]
 mod tests {
-    use super::{conventional, reported};
+    use super::{Tried, convention_near, reported, shows};
 
     #[test]
-    fn offsets_near_a_convention_are_that_where_it_fits_about_as_well() {
-        let right = [0.0, 90f64.to_radians(), -90f64.to_radians()];
-        let found = [0.0, 85f64.to_radians(), -85f64.to_radians()];
-        // A narrow valley, and one in which both make up for each other.
-        let narrow = |at: &[f64]| 300.0 * at.iter().zip(&found).map(|(a, b)| (a - b).powi(2)).sum::<f64>();
-        let sum = |at: &[f64]| 300.0 * (at[1] + at[2]).powi(2);
-        assert_eq!(conventional(&found, narrow), found);
-        assert_eq!(conventional(&found, sum), right);
-        let far = [0.0, 81f64.to_radians(), 0.1];
-        assert_eq!(conventional(&far, |_| 0.0), far);
+    fn a_zero_shows_where_some_angle_changes_the_torques() {
+        let of = |most: f64| {
+            let tried = |joint, place, merit| Tried { joint, place, taken: None, merit };
+            shows(&[tried(1, 1, -4.0), tried(1, 2, -4.0 + most), tried(2, 1, 9.0)], 1, -4.0)
+        };
+        assert!(of(0.51) && !of(0.49) && of(-0.51) && !of(-0.49));
+    }
+
+    #[test]
+    fn conventions_are_near_up_to_an_angle_and_none_is_zero() {
+        let near = |degrees: f64| convention_near(f64::to_radians(degrees), 8.0).map(|near| near.to_degrees().round());
+        assert_eq!([near(52.9), near(53.1), near(-97.9), near(1.0)], [Some(45.0), None, Some(-90.0), None]);
     }
 
     #[test]

@@ -57,7 +57,36 @@ fn placeholders_of_inertia_are_no_clock() {
     for joint in &mut placeholders.joints {
         joint.inertia.0[4..].iter_mut().for_each(|moment| *moment *= 6.0);
     }
-    assert_eq!(factor(&placeholders, &timed(&described, Oddity::None, 1.0, 6)), None);
+    let report =
+        examine_together(&[&timed(&described, Oddity::None, 1.0, 6)], Some(&placeholders)).unwrap().reports.remove(0);
+    assert_eq!(report.units.time_factor, None);
+    // Nor is a clock named as a possibility.
+    assert!(report.findings.iter().all(|finding| finding.kind != Kind::ClockFactor), "{:?}", report.findings);
+}
+
+/// Short logs of one recorder, each of which alone may show the factor or not, have one clock; and one file that was resampled wrongly
+/// is no fault of the others.
+#[test]
+fn logs_of_one_recorder_have_one_clock() {
+    let robot = irb();
+    let factors = |clocks: [f64; 3]| {
+        let logs: Vec<Sieved> = (11..).zip(clocks).map(|(seed, clock)| short(&robot, clock, seed)).collect();
+        let together = examine_together(&logs.iter().collect::<Vec<_>>(), Some(&robot)).unwrap();
+        together.reports.iter().map(|report| report.units.time_factor).collect::<Vec<_>>()
+    };
+    let wrong = factors([0.625; 3]);
+    assert!(wrong.iter().all(|factor| factor.is_some_and(|factor| (factor / 1.6 - 1.0).abs() < 0.05)), "{wrong:?}");
+    assert!(wrong.iter().all(|factor| factor == &wrong[0]), "{wrong:?}");
+    assert_eq!(factors([1.0; 3]), [None; 3]);
+    let one = factors([1.0, 1.0, 0.625]);
+    assert!(one[..2] == [None; 2] && one[2].is_some_and(|factor| (factor / 1.6 - 1.0).abs() < 0.05), "{one:?}");
+}
+
+/// A log of 9 s without velocities.
+fn short(robot: &Robot, clock: f64, seed: u64) -> Sieved {
+    let mut log = simulated(robot, Oddity::None, 9.0, seed);
+    log.recording.time.iter_mut().for_each(|t| *t *= clock);
+    log
 }
 
 #[test]

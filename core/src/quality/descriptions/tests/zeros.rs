@@ -51,6 +51,32 @@ fn a_wrong_zero_is_found_alone_or_with_a_second() {
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
+/// A zero that was found before another change came is fitted anew beside it, and none is added to make up for it.
+#[test]
+fn a_zero_is_found_beside_a_sign_and_nothing_else() {
+    let robot = irb();
+    for (joint, degrees, sign) in [(1, 90.0, 2), (2, 50.0, 5), (1, -50.0, 4)] {
+        let changes = [Change::ZeroOffset(joint, f64::to_radians(degrees)), Change::TorqueSign(sign)];
+        let verdict = found(&robot, Oddity::None, &changes).1.unwrap();
+        let own = &verdict.description;
+        let others: Vec<Change> =
+            own.changes.iter().filter(|change| !matches!(change, Change::ZeroOffset(..))).copied().collect();
+        let wanted = |own: usize| if own == joint { -degrees } else { 0.0 };
+        let near = offsets(&verdict).into_iter().enumerate().all(|(own, found)| (found - wanted(own)).abs() < 3.0);
+        assert!(others == [Change::TorqueSign(sign)] && near, "{joint} {degrees}: {:?}", own.changes);
+    }
+}
+
+/// A zero within 8 degrees of a convention is that where the logs do not tell it from the fitted one, and what it is where they do.
+#[test]
+fn a_zero_near_a_convention_is_what_it_is() {
+    let robot = irb();
+    for degrees in [50.0, 45.0, -84.0] {
+        let verdict = with_zeros(&robot, Oddity::None, &[(2, degrees)]).unwrap();
+        assert!((offsets(&verdict)[2] + degrees).abs() < 2.0, "{degrees}: {:?}", verdict.description.changes);
+    }
+}
+
 /// The joints beyond two parallel axes stay where they are, so that no single offset helps.
 #[test]
 fn zeros_that_make_up_for_each_other_are_seen_by_described_bodies() {

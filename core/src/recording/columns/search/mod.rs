@@ -64,8 +64,11 @@ impl Layout {
         if joints.is_some() && !any_position(&meanings, &names) {
             numbers = numbers_in_names(&meanings, names.len());
             if let (Some((first, _)), Some(name)) = (numbers.first_key_value(), names.first()) {
-                understood
-                    .push(format!("joints are taken by the numbers in their names, {first} for {name} and so on"));
+                // A name that is cut behind its number has its bracket open.
+                let close = if first.contains('[') && !first.contains(']') { "]" } else { "" };
+                let text =
+                    format!("joints are taken by the numbers in their names, {first}{close} for {name} and so on");
+                understood.push(text);
             } else if let Some((found, prefix)) = behind_prefix(&meanings, &names, names::POSITION) {
                 understood.push(format!("the names of the joints differ by the prefix {prefix}"));
                 numbers = found;

@@ -3,6 +3,7 @@
 
 use super::super::xml::{attribute, child, children, escaped, is, words};
 use super::elements::joint_type;
+use super::tree;
 use roxmltree::{Document, Node};
 use std::fmt::Write;
 
@@ -38,10 +39,15 @@ pub(super) fn clean(document: &Document, looks: bool) -> String {
     let mut text = String::from("<robot");
     write_attributes(&mut text, &root, &["name", "version"]);
     text += ">";
+    let moved = tree::moved(&root);
     for node in root.children() {
         if is(&node, "link") {
             open(&mut text, &node, &["name"]);
-            body(&mut text, &node);
+            // The body of a link that is fixed to the base says nothing about the arm.
+            let moves = attribute(&node, "name").is_some_and(|name| moved.contains(name));
+            if moves || has_numbers(&node) {
+                body(&mut text, &node);
+            }
             if looks {
                 children(&node, "visual").for_each(|visual| shape(&mut text, &visual));
             }
@@ -53,6 +59,15 @@ pub(super) fn clean(document: &Document, looks: bool) -> String {
         }
     }
     text + "</robot>"
+}
+
+/// Whether all that the body of a link holds are numbers.
+fn has_numbers(link: &Node) -> bool {
+    let Some(inertial) = child(link, "inertial") else { return true };
+    let is_number = |word: &str| word.parse::<f64>().is_ok_and(f64::is_finite);
+    let values = BODY.iter().filter_map(|(tag, names)| Some((child(&inertial, tag)?, names)));
+    let mut values = values.flat_map(|(node, names)| names.iter().filter_map(move |name| attribute(&node, name)));
+    values.all(|value| words(value).all(is_number))
 }
 
 fn body(text: &mut String, link: &Node) {

@@ -50,7 +50,7 @@ fn describe(source: &XmlText, notes: Vec<String>) -> Result<Description> {
     if reader.links.is_empty() {
         return Err(Error::input(&source.path, None, "<robot>", "there is no link; is this a URDF?"));
     }
-    reader.check()?;
+    reader.check(&root)?;
     let urdf = parsed(source, &document, false)?;
     let mut description = reader.description(&urdf, notes)?;
     let known = |joint: &str| description.joints.iter().any(|own| own.name == joint);
@@ -80,7 +80,7 @@ impl Reader<'_, '_> {
     }
 
     /// Checks what must hold before the URDF crate reads the file, so that errors name their place.
-    fn check(&self) -> Result<()> {
+    fn check(&self, root: &Node) -> Result<()> {
         for (name, node) in &self.joints {
             let kind = joint_type(node);
             if kind.is_empty() {
@@ -94,7 +94,9 @@ impl Reader<'_, '_> {
             }
             numbers::check_joint(self.path, node, kind == "fixed")?;
         }
-        self.links.iter().try_for_each(|(_, node)| numbers::check_body(self.path, node))
+        let moved = tree::moved(root);
+        let moving = self.links.iter().filter(|(name, _)| moved.contains(name));
+        moving.into_iter().try_for_each(|(_, node)| numbers::check_body(self.path, node))
     }
 
     fn description(&self, urdf: &urdf_rs::Robot, mut notes: Vec<String>) -> Result<Description> {

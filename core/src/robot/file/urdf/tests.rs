@@ -57,6 +57,31 @@ fn changed(from: &str, to: &str) -> Result<Description> {
     read(&text.replacen(from, to, 1))
 }
 
+/// What a body that is fixed to the base weighs says nothing about the arm; of a body that moves it must be known.
+#[test]
+fn bodies_fixed_to_the_base_may_be_anything() {
+    let body = |mass: &str| {
+        format!(
+            "<inertial><mass value=\"{mass}\"/><inertia ixx=\"1\" ixy=\"0\" ixz=\"0\" iyy=\"1\" iyz=\"0\" izz=\"1\"/></inertial>"
+        )
+    };
+    let with_bolt = |mass: &str, on: &str| {
+        let bolt = format!(
+            "<link name=\"bolt\">{}</link><joint name=\"f\" type=\"fixed\"><parent link=\"{on}\"/><child link=\"bolt\"/></joint></robot>",
+            body(mass)
+        );
+        changed("</robot>", &bolt)
+    };
+    for mass in ["nan", "heavy", "-3", "1e99", "1 2"] {
+        assert!(with_bolt(mass, "l0").is_ok(), "{mass}: {:?}", with_bolt(mass, "l0").err());
+    }
+    let refused = with_bolt("nan", "l1").unwrap_err().to_string();
+    assert!(refused.contains("`bolt`") && refused.contains("finite number"), "{refused}");
+    // The base's own, and a link that hangs on nothing.
+    assert!(changed("<link name=\"l0\"/>", &format!("<link name=\"l0\">{}</link>", body("nan"))).is_ok());
+    assert!(changed("</robot>", &format!("<link name=\"loose\">{}</link></robot>", body("nan"))).is_ok());
+}
+
 /// Two descriptions hold the same robot to rounding.
 fn assert_same(a: &Description, b: &Description) {
     assert_eq!(a.links.len(), b.links.len());

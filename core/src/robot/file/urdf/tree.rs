@@ -1,11 +1,29 @@
 //! The tree that the links and joints of a URDF form.
 
-use super::super::xml::{attribute, child, line};
+use super::super::xml::{attribute, child, children, line};
 use super::elements::joint_type;
 use crate::error::{Error, Result};
 use roxmltree::Node;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::path::Path;
+
+/// Names of the links that a joint moves; all others are fixed to the base, and nothing depends on their inertia.
+pub(super) fn moved<'a>(root: &Node<'a, '_>) -> HashSet<&'a str> {
+    let end = |node: &Node<'a, '_>, tag: &str| child(node, tag).and_then(|end| attribute(&end, "link")).unwrap_or("");
+    let joints: Vec<_> = children(root, "joint").collect();
+    let mut moved = HashSet::new();
+    loop {
+        let before = moved.len();
+        for joint in &joints {
+            if joint_type(joint) != "fixed" || moved.contains(end(joint, "parent")) {
+                moved.insert(end(joint, "child"));
+            }
+        }
+        if moved.len() == before {
+            return moved;
+        }
+    }
+}
 
 /// Links and joints by name.
 pub(super) struct Tree<'t, 'a, 'i> {

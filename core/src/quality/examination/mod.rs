@@ -1,0 +1,135 @@
+//! The examination of logs: all checks of each, and the judgement of their description together.
+
+mod alone;
+mod clocks;
+
+use super::descriptions;
+use super::finding::{Finding, Kind, Severity};
+use super::motion;
+use super::report::{Report, Together};
+use super::view::View;
+use crate::error::Result;
+use crate::recording::lenient::{self, ColumnMap, Sieved};
+use crate::robot::Robot;
+use alone::Read;
+use std::path::Path;
+
+/// Faults of the signals after which torques and motion do not belong together, whatever robot they are of.
+const SPOIL: [Kind; 11] = [
+    Kind::Jitter,
+    Kind::BackwardTime,
+    Kind::ClockFactor,
+    Kind::LostRows,
+    Kind::PositionJump,
+    Kind::VelocityMismatch,
+    Kind::Wrapped,
+    Kind::Spike,
+    Kind::Frozen,
+    Kind::UnsignedTorque,
+    Kind::TwoSources,
+];
+
+/// Reads a log leniently and examines it; with the arm's joints in order and their limits where `robot` is known.
+///
+/// # Errors
+/// Those of [`lenient::load`]: the file cannot be read as a log at all.
+pub fn inspect(path: &Path, robot: Option<&Robot>) -> Result<Report> {
+    let names = robot.map(Robot::joint_names);
+    examine(&lenient::load(path, names.as_deref(), &ColumnMap::default())?, robot)
+}
+
+/// Examines a log. `robot` gives limits and geometry; its inertias are used where they are possible.
+///
+/// # Errors
+/// None on a log of any content; those of the filters are passed on.
+pub fn examine(sieved: &Sieved, robot: Option<&Robot>) -> Result<Report> {
+    let mut together = examine_together(&[sieved], robot)?;
+    Ok(together.reports.remove(0))
+}
+
+/// Examines several logs of one arm, whose description is judged on all of them together. Where they contradict each other,
+/// each is judged by itself.
+///
+/// # Errors
+/// Those of [`examine`].
+pub fn examine_together(logs: &[&Sieved], robot: Option<&Robot>) -> Result<Together> {
+    let (mut reports, mut torques) = (Vec::new(), Vec::new());
+    let read: Vec<Read> = logs.iter().map(|log| Read::new(log, robot)).collect::<Result<_>>()?;
+    let clocks = clocks::shown(&read, robot)?;
+    for (read, clock) in read.into_iter().zip(clocks) {
+        let (report, usable) = read.examined(clock)?;
+        reports.push(report);
+        torques.push(usable);
+    }
+    let with_torque: Vec<usize> = (0..logs.len()).filter(|&log| torques[log].is_some()).collect();
+    let views = torques.iter().flatten().map(|(log, late)| Ok(View { late: *late, ..View::new(log, robot)? }));
+    let views: Vec<View> = views.collect::<Result<_>>()?;
+    let all: Vec<&View> = views.iter().collect();
+    let descriptions::Judged { verdict, tilt } = descriptions::judge(&all, robot);
+    let by_themselves =
+        verdict.is_none() && views.len() > 1 && robot.is_none_or(|robot| descriptions::contradict(&all, robot));
+    for (&log, view) in with_torque.iter().zip(&views) {
+        let own = match verdict {
+            None if by_themselves => descriptions::judge(&[view], robot).verdict,
+            _ => verdict.clone(),
+        };
+        if let Some(own) = own {
+            // Positions that leave the limits for that are no fault of their own.
+            let right = own.description.positions(&view.log.q);
+            let explained = |finding: &Finding| {
+                let of = |&joint: &usize| finding.place == view.place("q", joint);
+                (0..view.dof()).find(of).is_some_and(|joint| {
+                    own.description.changes_position_of(joint)
+                        && !motion::leaves_limits(robot, joint, right.channel(joint))
+                })
+            };
+            reports[log].findings.retain(|finding| finding.kind != Kind::OutsideLimits || !explained(finding));
+            // Nor is a time by which torques seem to come late, worked out with the torques of others or another motion.
+            if !own.description.changes.iter().all(|change| change.keeps_each_torque()) {
+                reports[log].findings.retain(|finding| finding.kind != Kind::DeadTime);
+            }
+            reports[log].findings.extend(descriptions::findings(&own, &view.log.joints));
+            reports[log].description = Some(own);
+            reports[log].findings.sort_by_key(|finding| std::cmp::Reverse(finding.severity));
+        }
+    }
+    let tilted = robot.zip(tilt).and_then(|(robot, tilt)| descriptions::of_tilt(tilt, robot.gravity));
+    for &log in with_torque.iter().filter(|_| verdict.is_none()) {
+        reports[log].findings.extend(tilted.clone());
+    }
+    let measured = |log: &&usize| logs[**log].of_controller.is_none();
+    if descriptions::is_modelled(&all, robot, verdict.as_ref().map(|verdict| &verdict.description)) {
+        let text = "no friction in any joint's torque, and a rigid-body model explains it: probably the controller's model (a desired or \
+                    target torque) or a simulation, not a measurement, so that identification gives that model back; or sensors behind \
+                    the gears, which do not see friction";
+        for &log in with_torque.iter().filter(measured) {
+            reports[log].findings.push(Finding::new(Kind::ModelTorque, Severity::Note, "tau", text));
+        }
+    }
+    // Logs that contradict each other are judged one by one.
+    if let Some(robot) =
+        robot.filter(|_| verdict.is_some() || reports.iter().all(|report| report.description.is_none()))
+    {
+        let has_scale = verdict.as_ref().is_some_and(|verdict| !verdict.factors.is_empty());
+        let description = verdict.as_ref().map(|verdict| &verdict.description);
+        let finding = (!has_scale).then(|| descriptions::of_another_robot(&all, robot, description)).flatten();
+        // What spoils motion or torque is a cause by itself.
+        let spoils = |finding: &Finding| finding.severity > Severity::Note && SPOIL.contains(&finding.kind);
+        for &log in with_torque.iter() {
+            if reports[log].findings.iter().any(spoils) {
+                continue;
+            }
+            // Other zeros make the motion of this arm out of that of another: what the bodies deny is no more than a possibility then.
+            let is_another = finding.as_ref().is_some_and(|finding| finding.severity > Severity::Note);
+            let denied = is_another && verdict.as_ref().is_some_and(|verdict| verdict.unlike_bodies);
+            let mut known = std::mem::take(&mut reports[log].findings);
+            known
+                .iter_mut()
+                .filter(|finding| denied && descriptions::is_description(finding.kind))
+                .for_each(|finding| finding.severity = Severity::Note);
+            reports[log].findings = finding.clone().into_iter().chain(known).collect();
+            reports[log].findings.sort_by_key(|finding| std::cmp::Reverse(finding.severity));
+        }
+    }
+    Ok(Together { reports, verdict })
+}

@@ -2,7 +2,8 @@
 
 use crate::diagnosis::Options;
 use crate::diagnosis::logs::Input;
-use crate::diagnosis::model::{Candidate, Known, Session, all_candidates};
+use crate::diagnosis::model::{Candidate, Known, all_candidates};
+use crate::diagnosis::preparation::prepare;
 use crate::diagnosis::regression::Column;
 use crate::effects::{LIBRARY, Placed};
 use crate::error::Result;
@@ -20,7 +21,7 @@ pub(super) fn refined_gravity(model: &Model, input: &Input, options: &Options) -
     let robot = model.robot();
     let known = Known { effects: input.present.clone(), ..Known::nothing(robot, options.trust) };
     let logs: Vec<&Recording> = input.train.iter().chain(&input.test).chain(&input.reference).copied().collect();
-    let session = Session::knowing(model, options.trust, known, &logs, &logs, options.criteria)?;
+    let session = prepare(model, options.trust, known, &logs, &logs, options.criteria)?;
     let names = |wanted: &dyn Fn(&Placed) -> bool| -> Vec<String> {
         let all = LIBRARY.iter().filter(|effect| wanted(&Placed::typical(**effect, 0)));
         all.map(|effect| effect.about().name.to_owned()).collect()

@@ -1,11 +1,14 @@
 //! One law in the place of several findings. A flexible law that is taken first, a wrong body further out, may leave a second law to
-//! explain what it cannot; the law that explains all of it then makes the parameters of that second law unidentifiable.
+//! explain what it cannot; the law that explains all of it then makes the parameters of that second law unidentifiable. Two wrong bodies
+//! may together be nearly what a third alone is.
 
 use super::acceptance::{Outcome, Trial};
 use super::found::{Found, members};
 use crate::diagnosis::evidence::{Gains, Judged, Multiplicity};
-use crate::diagnosis::model::{Fit, Member, Session};
+use crate::diagnosis::model::{Candidate, Fit, Member, Session};
+use crate::diagnosis::regression::Column;
 use crate::error::Result;
+use rayon::prelude::*;
 
 /// A law, and the findings that it replaces.
 #[derive(Debug)]
@@ -30,7 +33,7 @@ pub(super) fn exchanged(
     multiplicity: &Multiplicity,
     alpha: f64,
 ) -> Result<Option<Exchange>> {
-    let (train, test) = (&session.logs.train, &session.logs.test);
+    let train = &session.logs.train;
     let others: Vec<usize> = (0..found.len()).filter(|&place| place != index).collect();
     let of_others: Vec<Member> = others.iter().map(|&place| found[place].member.clone()).collect();
     let with: Vec<Member> = of_others.iter().cloned().chain([winner.member()]).collect();
@@ -44,10 +47,72 @@ pub(super) fn exchanged(
         return Ok(None);
     }
 
+    in_place_of(session, found, places, &winner.candidate, multiplicity, alpha)
+}
+
+/// One body in the place of two that were found, where it fits the training logs as well: it loses no more of the sum of squares than
+/// its fewer parameters make up for (Akaike's criterion).
+///
+/// # Errors
+/// If a log is too short to differentiate.
+pub(super) fn one_body(
+    session: &Session,
+    found: &[Found],
+    everywhere: &[Candidate],
+    multiplicity: &Multiplicity,
+    alpha: f64,
+) -> Result<Option<Exchange>> {
+    let is_body = |&place: &usize| found[place].member.placed.effect.is_body() && found[place].can_be_asked();
+    let bodies: Vec<usize> = (0..found.len()).filter(is_body).collect();
+    let train = &session.logs.train;
+    let whitener = session.noise_under(&session.model.columns(train, &members(found))?);
+    for (k, &first) in bodies.iter().enumerate() {
+        for &second in &bodies[k + 1..] {
+            let stay = staying(found, &[first, second]);
+            let fit = whitener.fit(&session.model.columns(train, &stay)?, &train.torque);
+            let both: Vec<Column> = [first, second]
+                .into_iter()
+                .flat_map(|place| found[place].member.candidate.columns.iter().cloned())
+                .collect();
+            let Some(both) = fit.test(&whitener.apply_all(&both)) else { continue };
+            let singles = everywhere.par_iter().filter(|candidate| candidate.placed.effect.is_body());
+            let best = singles
+                .filter_map(|candidate| session.judge(candidate, &whitener, &fit))
+                .max_by(|a, b| a.test.statistic.total_cmp(&b.test.statistic));
+            let Some(best) = best else { continue };
+            let fewer = both.freedom.saturating_sub(best.test.freedom) as f64;
+            let lost = both.statistic - best.test.statistic;
+            tracing::debug!(body = ?best.candidate.slot(), lost, fewer, "one body in place of two");
+            if fewer > 0.0 && lost <= 2.0 * fewer {
+                let exchange = in_place_of(session, found, vec![first, second], &best.candidate, multiplicity, alpha)?;
+                if exchange.is_some() {
+                    return Ok(exchange);
+                }
+            }
+        }
+    }
+    Ok(None)
+}
+
+/// The members but those found at some places.
+fn staying(found: &[Found], places: &[usize]) -> Vec<Member> {
     let stay = found.iter().enumerate().filter(|(place, _)| !places.contains(place));
-    let stay: Vec<Member> = stay.map(|(_, found)| found.member.clone()).collect();
+    stay.map(|(_, found)| found.member.clone()).collect()
+}
+
+/// A candidate in the place of the findings at `places`, where it passes all gates without them and held-out logs do not contradict it.
+fn in_place_of(
+    session: &Session,
+    found: &[Found],
+    places: Vec<usize>,
+    candidate: &Candidate,
+    multiplicity: &Multiplicity,
+    alpha: f64,
+) -> Result<Option<Exchange>> {
+    let (train, test) = (&session.logs.train, &session.logs.test);
+    let stay = staying(found, &places);
     let Fit { whitener, projection: fit } = session.fit_under(&session.model.columns(train, &stay)?);
-    let Some(judged) = session.judge(&winner.candidate, &whitener, &fit) else { return Ok(None) };
+    let Some(judged) = session.judge(candidate, &whitener, &fit) else { return Ok(None) };
     let level = multiplicity.level(judged.candidate.family().effect, judged.test.log_p());
     let trial = Trial { session, members: &stay, whitener: &whitener, fit: &fit, multiplicity, alpha, tries: None };
     let accepted = match trial.of(&judged, level, None)? {

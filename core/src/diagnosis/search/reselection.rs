@@ -4,7 +4,7 @@
 use super::acceptance::{Outcome, Refusal, Trial, is_confirmable};
 use super::comparison::{Chosen, Comparison, InOwnNoise, compare};
 use super::eligible::{Contenders, Standing};
-use super::exchange::{Exchange, exchanged};
+use super::exchange::{Exchange, exchanged, one_body};
 use super::found::{Alternative, Found, Rejected, explained_by_play, members};
 use super::parsimony::chosen;
 use super::round::Round;
@@ -121,6 +121,13 @@ pub(super) fn reselect(
     let mut changed = false;
     if found.len() < 2 {
         return Ok(changed);
+    }
+    while !watch.is_over()
+        && let Some(Exchange { by, places }) = one_body(session, found, everywhere, multiplicity, alpha)?
+    {
+        places.iter().rev().for_each(|&place| drop(found.remove(place)));
+        found.insert(places[0], by);
+        changed = true;
     }
     let mut next = 0;
     while next < found.len() && !watch.is_over() {

@@ -28,6 +28,8 @@ mod preparation;
 pub(crate) mod regression;
 mod relevance;
 mod search;
+#[cfg(test)]
+mod test_logs;
 mod variance;
 mod watch;
 

@@ -33,44 +33,11 @@ pub(crate) fn cross_validated_residual(session: &Session, members: &[Member], wh
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::channels::Channels;
-    use crate::dynamics::Motion;
+    use crate::diagnosis::test_logs::log;
     use crate::identification::effect_model::Arm;
     use crate::identification::effect_model::Trust;
     use crate::identification::model::Model;
-    use crate::random;
-    use crate::recording::Recording;
     use crate::robot::{InertiaCheck, load};
-    use rand_distr::{Distribution, StandardNormal};
-
-    const RATE: f64 = 250.0;
-
-    /// Six seconds of waves of the arm, with noise on the torque.
-    fn log(arm: &Arm, seed: u64) -> Recording {
-        let mut source = random::stream(seed, "log", 0);
-        let time: Vec<f64> = (0..1500).map(|k| f64::from(k) / RATE).collect();
-        let hz = |joint: usize| 0.3 + 0.07 * joint as f64 + 0.05 * seed as f64;
-        let wave = |f: fn(f64) -> f64, order: i32, sign: f64| {
-            let of = |joint: usize| {
-                let omega = std::f64::consts::TAU * hz(joint);
-                time.iter().map(|t| 0.5 * sign * omega.powi(order) * f(omega * t + joint as f64)).collect()
-            };
-            Channels::from_vectors(&(0..6).map(of).collect::<Vec<Vec<f64>>>())
-        };
-        let motion = Motion { q: wave(f64::sin, 0, 1.0), qd: wave(f64::cos, 1, 1.0), qdd: wave(f64::sin, 2, -1.0) };
-        let mut tau = arm.torque(&motion, &motion);
-        tau.as_mut_slice().iter_mut().for_each(|tau| {
-            let noise: f64 = StandardNormal.sample(&mut source);
-            *tau += noise;
-        });
-        Recording {
-            joints: (1..=6).map(|j| format!("joint_{j}")).collect(),
-            time,
-            q: motion.q,
-            tau,
-            ..Default::default()
-        }
-    }
 
     #[test]
     fn a_log_has_no_part_in_what_is_said_of_it() {

@@ -140,3 +140,50 @@ fn in_place_of(
     Ok((!gains.is_contradicted(&session.criteria.levels))
         .then(|| Exchange { by: Found::new(*accepted, Vec::new()), places }))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::acceptance::Accepted;
+    use super::*;
+    use crate::diagnosis::evidence::Scan;
+    use crate::diagnosis::model::all_candidates;
+    use crate::diagnosis::test_logs::log;
+    use crate::effects::{Placed, find};
+    use crate::identification::effect_model::{Arm, Trust};
+    use crate::identification::model::Model;
+    use crate::robot::{InertiaCheck, load};
+
+    /// Which findings one body replaces, and that body's joint, where links 2 and 4 were found and these `links` are wrong.
+    fn replaced(links: &[usize]) -> Option<(Vec<usize>, usize)> {
+        let robot =
+            load(concat!(env!("CARGO_MANIFEST_DIR"), "/../urdf/irb1600_6_120.urdf"), InertiaCheck::Required).unwrap();
+        let effect = find("link_inertia_error").unwrap();
+        let mut wrong = robot.clone();
+        for &link in links {
+            effect.alter(&Placed::typical(effect, link).parameters, link, &mut wrong);
+        }
+        let logs = [1, 2, 3].map(|seed| log(&Arm::new(&wrong, Trust::Nominal), seed));
+        let model = Model::new(&robot);
+        let session = Session::new(&model, Trust::Nominal, &[&logs[0], &logs[1]], &[&logs[2]]).unwrap();
+        let train = &session.logs.train;
+        let names = ["link_inertia_error".to_owned()];
+        let all = all_candidates(&session.model.arm, &train.rows, Trust::Nominal, &names).unwrap();
+        let Fit { whitener, projection } = session.fit_under(&train.baseline);
+        let multiplicity = Scan::new(&session, &all, &whitener, &projection).multiplicity(&projection, &whitener, 0);
+        let on = |joint: usize| {
+            let candidate = all.iter().find(|candidate| candidate.family().joint == joint).unwrap();
+            let test = projection.test(&whitener.apply_all(&candidate.columns)).unwrap();
+            let member = Member::new(candidate, &test.values);
+            Found::new(Accepted { member, gain_lower_bound: 0.0, level: 0.0 }, Vec::new())
+        };
+        let found = [on(1), on(3)];
+        let exchange = one_body(&session, &found, &all, &multiplicity, 0.05).unwrap()?;
+        Some((exchange.places, exchange.by.member.candidate.family().joint))
+    }
+
+    #[test]
+    fn one_wrong_link_takes_the_place_of_two_that_are_nearly_it() {
+        assert_eq!(replaced(&[2]), Some((vec![0, 1], 2)));
+        assert_eq!(replaced(&[1, 3]), None);
+    }
+}

@@ -20,10 +20,10 @@ pub(crate) struct Arguments {
     before: PathBuf,
     /// Log with the load, or a dataset (.toml) of such logs.
     after: PathBuf,
-    /// More logs without the load. Repeatable.
+    /// More logs without the load; they stand behind the first two. Repeatable.
     #[arg(long = "before", value_name = "LOG", num_args = 1..)]
     more_before: Vec<PathBuf>,
-    /// More logs with the load. Repeatable.
+    /// More logs with the load; they stand behind the first two. Repeatable.
     #[arg(long = "after", value_name = "LOG", num_args = 1..)]
     more_after: Vec<PathBuf>,
     #[command(flatten)]

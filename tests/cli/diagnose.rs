@@ -69,7 +69,7 @@ fn a_search_that_is_ended_says_what_is_known_by_then() {
             )
             .stdout,
     );
-    assert!(lines.contains("no effect found so far explains") && lines.contains("the search was ended"), "{lines}");
+    assert!(lines.contains("no effect found so far explains") && lines.contains("the search ended early"), "{lines}");
     let bad = LOGS.tauscope(&[&base[..], &TEST, &out, &["--budget", "5 parsecs"]].concat()[..]);
     assert_eq!(bad.status.code(), Some(2));
     assert!(text(&bad.stderr).contains("give a time above zero"), "{}", text(&bad.stderr));

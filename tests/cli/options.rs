@@ -47,7 +47,10 @@ fn an_option_for_logs_takes_several() {
     assert_eq!(together, of(&["--train", one, "--train", other]));
     assert_ne!(together, of(&["--train", one, "--test", other]));
     // The second file is a log, and not an argument that nobody expects.
-    for command in [&["diagnose", "--robot", "arm.urdf", "--train"][..], &["payload", one, other, "--before"]] {
+    for command in [
+        &["diagnose", "--robot", "arm.urdf", "--train"][..],
+        &["payload", one, other, "--robot", "arm.urdf", "--before"],
+    ] {
         let output = case.tauscope(&[command, &[one, "out/none.csv"]].concat());
         assert!(
             text(&output.stderr).contains("none.csv") && output.status.code() == Some(2),

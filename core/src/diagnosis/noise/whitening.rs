@@ -88,7 +88,7 @@ impl Whitener {
             let factors = self.memory.get(key_of_factors(filter, signals), || {
                 let columns = parts.iter().flat_map(|part| filter.apply(part)).collect();
                 let torque = torque.map_or_else(|| vec![0.0; filter.rows().len()], |torque| filter.apply(torque));
-                JointFactors::new(columns, torque)
+                JointFactors::new(columns, parts.len(), torque)
             });
             Some(OfJoint { joint, places, factors, weight: 1.0 / misfit })
         };

@@ -14,6 +14,8 @@ use std::sync::{Arc, OnceLock};
 pub(crate) struct JointFactors {
     /// One after the other; those that are not finite are zero.
     columns: Vec<f64>,
+    /// Their number, which a joint without rows has too.
+    count: usize,
     unsound: Vec<usize>,
     torque: Vec<f64>,
     normal: OnceLock<Normal>,
@@ -43,8 +45,8 @@ struct Factors {
 }
 
 impl JointFactors {
-    /// Of `columns`, one after the other, each as long as the `torque`.
-    pub(crate) fn new(mut columns: Vec<f64>, torque: Vec<f64>) -> Self {
+    /// Of `count` columns, one after the other, each as long as the `torque`.
+    pub(crate) fn new(mut columns: Vec<f64>, count: usize, torque: Vec<f64>) -> Self {
         let mut unsound = Vec::new();
         for (place, column) in columns.chunks_exact_mut(torque.len().max(1)).enumerate() {
             if !column.iter().all(|x| x.is_finite()) {
@@ -52,7 +54,7 @@ impl JointFactors {
                 unsound.push(place);
             }
         }
-        JointFactors { columns, unsound, torque, normal: OnceLock::new(), qr: OnceLock::new() }
+        JointFactors { columns, count, unsound, torque, normal: OnceLock::new(), qr: OnceLock::new() }
     }
 
     /// Most values that it comes to hold.
@@ -78,7 +80,7 @@ impl JointFactors {
     /// The normal equations.
     pub(super) fn normal(&self) -> &Normal {
         self.normal.get_or_init(|| {
-            let (rows, count) = (self.rows(), self.columns.len().checked_div(self.rows()).unwrap_or(0));
+            let (rows, count) = (self.rows(), self.count);
             let gram = product_of(&self.columns, &self.columns, rows, [count, count]);
             let right = product_of(&self.columns, &self.torque, rows, [count, 1]).column(0).into_owned();
             Normal { gram, right, square: inner_product(&self.torque, &self.torque) }
@@ -142,11 +144,12 @@ impl Factored {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::diagnosis::regression::JointEquations;
 
     #[test]
     fn factors_have_the_inner_products_of_the_columns() {
         let columns = vec![1.0, 2.0, -1.0, 0.5, 0.0, 3.0];
-        let factors = JointFactors::new(columns, vec![2.0, 1.0, 1.0]);
+        let factors = JointFactors::new(columns, 2, vec![2.0, 1.0, 1.0]);
         let Normal { gram, right, square } = factors.normal();
         let expected = DMatrix::from_row_slice(2, 2, &[6.0, -2.5, -2.5, 9.25]);
         assert!((gram - &expected).norm() < 1e-14 && *square == 6.0);
@@ -157,11 +160,28 @@ mod tests {
     }
 
     #[test]
+    fn a_joint_without_rows_has_no_part_in_a_fit() {
+        let own = |joint, columns: Vec<f64>, torque: Vec<f64>| OfJoint {
+            joint,
+            places: vec![0, 1],
+            factors: Arc::new(JointFactors::new(columns, 2, torque)),
+            weight: 1.0,
+        };
+        let joints = vec![own(0, Vec::new(), Vec::new()), own(1, vec![2.0, 0.0, 0.0, 4.0], vec![2.0, 2.0])];
+        let Normal { gram, right, square } = joints[0].factors.normal();
+        assert_eq!((gram.shape(), right.len(), *square), ((2, 2), 2, 0.0));
+        let (columns, torque) = Factored { columns: 2, joints: joints.clone() }.condensed();
+        assert_eq!((columns[0].len(), torque.len()), (2, 2));
+        let solved = JointEquations::new(Factored { columns: 2, joints }).solved(|_| 1.0);
+        assert!((solved.values[0] - 1.0).abs() < 1e-12 && (solved.values[1] - 0.5).abs() < 1e-12);
+    }
+
+    #[test]
     fn what_is_not_finite_on_one_joint_is_left_out_on_all() {
         let own = |joint, columns: Vec<f64>| OfJoint {
             joint,
             places: vec![0, 1],
-            factors: Arc::new(JointFactors::new(columns, vec![1.0, 1.0])),
+            factors: Arc::new(JointFactors::new(columns, 2, vec![1.0, 1.0])),
             weight: 2.0,
         };
         let joints = vec![own(0, vec![3.0, 4.0, f64::NAN, 1.0]), own(1, vec![0.0, 1.0, 1.0, 0.0])];

@@ -315,7 +315,7 @@ mod tests {
         let of_all_rows = Projection::new(&columns.each_ref().map(weighed), &weighed(&torque));
         let joints = (0..2).map(|joint| {
             let (places, values) = on_joint(&columns, joint);
-            let factors = Arc::new(JointFactors::new(values, torque.part(joint).unwrap().to_vec()));
+            let factors = Arc::new(JointFactors::new(values, places.len(), torque.part(joint).unwrap().to_vec()));
             OfJoint { joint, places, factors, weight: weights[joint] }
         });
         let of_factors = Projection::of(&Factored { columns: columns.len(), joints: joints.collect() });

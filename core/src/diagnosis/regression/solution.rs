@@ -267,7 +267,7 @@ mod tests {
         let torque = Column::of(vec![(0, vec![0.0, 2.0, 0.0, 2.0]), (1, vec![3.0, 3.0])]);
         let own = |joint: usize| {
             let [column, torque] = [&columns[0], &torque].map(|column| column.part(joint).unwrap().to_vec());
-            OfJoint { joint, places: vec![0], factors: Arc::new(JointFactors::new(column, torque)), weight: 1.0 }
+            OfJoint { joint, places: vec![0], factors: Arc::new(JointFactors::new(column, 1, torque)), weight: 1.0 }
         };
         let equations = JointEquations::new(Factored { columns: 1, joints: vec![own(0), own(1)] });
         let close = |factors: [f64; 2], expected: [f64; 2]| {

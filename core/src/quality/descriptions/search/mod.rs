@@ -2,15 +2,17 @@
 //!
 //! | question | module |
 //! |---|---|
-//! | which set of changes is the smallest | `smallest` |
+//! | which set of changes is the smallest | `smallest`, `found` |
 //! | which of its changes the others make needless | `needed` |
 //! | which of those that the logs do not separate | `settle` |
 //! | whether a zero is that of a convention | `usual_zeros` |
 
+mod found;
 mod needed;
 mod settle;
 mod smallest;
 mod usual_zeros;
 
+pub(super) use found::Found;
 pub(super) use settle::{are_of_bodies, opposite_zeros, settled};
-pub(super) use smallest::{CLEAN, Found, Outcome, search};
+pub(super) use smallest::{CLEAN, Outcome, search};

@@ -2,7 +2,7 @@
 //!
 //! A set grows by one change at a time. A change that stood for a part of the truth, before another one came, explains nothing beside that.
 
-use super::smallest::Found;
+use super::found::Found;
 use crate::quality::descriptions::change::{Change, Description};
 use crate::quality::descriptions::compare::compare;
 use crate::quality::descriptions::fitting::{Physics, Rows};

@@ -1,6 +1,7 @@
 //! Sets of changes that the logs do not separate, compared by what else is known of the arm.
 
-use super::smallest::{Found, Outcome};
+use super::found::Found;
+use super::smallest::Outcome;
 use super::usual_zeros::with_usual_zeros;
 use crate::quality::descriptions::change::{Change, Description};
 use crate::quality::descriptions::compare::{EXPLAINED, compare};

@@ -4,6 +4,7 @@
 //! blocks, and a set replaces a smaller one only where the paired comparison finds it clearly better. Sets of the same size
 //! that are not separable from the best are its rivals.
 
+use super::found::Found;
 use super::needed;
 use crate::quality::descriptions::change::Description;
 use crate::quality::descriptions::compare::{Comparison, EXPLAINED, EXPLAINED_ALONE, compare};
@@ -35,20 +36,6 @@ const PATIENCE: usize = 2;
 
 /// Where the residual share of every torque is below this, nothing is wrong with the description.
 pub(in crate::quality::descriptions) const CLEAN: f64 = 0.04;
-
-/// The outcome of a search that found something.
-pub(in crate::quality::descriptions) struct Found {
-    /// The smallest set of changes.
-    pub best: Tried,
-    /// Sets of the same size that are not clearly worse.
-    pub rivals: Vec<Tried>,
-    /// The best of those that are.
-    pub next: Option<Tried>,
-    /// Its gain over the logs as they are.
-    pub gain: Comparison,
-    /// Whether the logs alone determine the direction of gravity, where that is changed.
-    pub is_determined: bool,
-}
 
 /// The outcome of a search.
 pub(in crate::quality::descriptions) struct Outcome {

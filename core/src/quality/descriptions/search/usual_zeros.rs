@@ -3,7 +3,7 @@
 //! Conventions of zero differ by an eighth of a turn or a multiple of that. A fit comes near such an offset, and offsets of parallel axes make
 //! up for each other. So one near it is taken as that, unless the logs tell it from the fitted one.
 
-use super::smallest::Found;
+use super::found::Found;
 use crate::quality::descriptions::compare::compare;
 use crate::quality::descriptions::fitting::{Physics, Rows};
 use crate::quality::descriptions::shares::ALIKE;

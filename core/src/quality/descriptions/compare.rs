@@ -136,6 +136,12 @@ impl Comparison {
     pub(super) fn is_distinct(&self) -> bool {
         self.p < ALPHA && self.gain > 2.0 * DISTINCT.ln()
     }
+
+    /// Whether the candidate gains something to speak of, be it by chance, on all torques together or on one, which may move in few blocks:
+    /// of a short log little is certain.
+    pub(super) fn is_noticeable(&self) -> bool {
+        self.gain > 2.0 * DISTINCT.ln() || (0..self.channels.len()).any(|channel| self.falls(channel))
+    }
 }
 
 #[cfg(test)]
@@ -167,6 +173,22 @@ mod tests {
             |gain: &dyn Fn(usize) -> f64| compare(&of(&|_| 0.0), &of(&|block| -gain(block)), &[0; 8]).unwrap();
         assert!(compared(&|block| 3.0 + 0.1 * block as f64).p < 1e-4);
         assert!(compared(&|block| if block % 2 == 0 { 3.0 } else { -2.5 }).p > 0.5);
+    }
+
+    #[test]
+    fn what_may_be_chance_is_noticed_and_not_distinct() {
+        let of = |factor: f64, p: f64| Comparison {
+            gain: 2.0 * factor.ln(),
+            p,
+            channels: vec![None, Some(0.0)],
+            before: Vec::new(),
+            least_of_logs: 0.0,
+        };
+        assert!(of(1.31, 0.5).is_noticeable() && !of(1.29, 0.5).is_noticeable());
+        // One torque in few blocks.
+        let of_one = |factor: f64| Comparison { channels: vec![Some(2.0 * factor.ln())], ..of(1.01, 0.5) };
+        assert!(of_one(1.31).is_noticeable() && !of_one(1.29).is_noticeable());
+        assert!(of(1.31, 0.009).is_distinct() && !of(1.31, 0.011).is_distinct() && !of(1.29, 0.009).is_distinct());
     }
 
     #[test]

@@ -9,43 +9,48 @@ use crate::quality::descriptions::fitting::{Physics, Rows};
 use crate::quality::descriptions::sizes::zeros;
 use crate::quality::descriptions::tried::Tried;
 
-/// What was found, with the best and its rivals as far as their changes are needed, in the rows in blocks, and whole. Of these the smallest
-/// sets are kept.
-pub(super) fn only(physics: &Physics, rows: [&Rows; 2], start: &Tried, found: Found) -> Found {
-    let Found { best, rivals, next, gain, is_determined } = found;
+/// What was found without the changes of the best that its others make needless, in the rows in blocks, and whole; of the rivals those that
+/// come to as few.
+pub(super) fn only(physics: &Physics, rows: [&Rows; 2], start: &Tried, mut found: Found) -> Found {
     let count = |tried: &Tried| tried.description.changes.len();
-    let before = count(&best);
-    let mut each: Vec<Tried> =
-        std::iter::once(best).chain(rivals).map(|own| reduced(physics, rows, start, own)).collect();
-    let fewest = each.iter().map(count).min().unwrap_or(before);
-    each.retain(|tried| count(tried) == fewest);
-    let mut smallest: Vec<Tried> = Vec::new();
-    for tried in each {
-        if !smallest.iter().any(|other| other.description.same_but_for_sizes(&tried.description)) {
-            smallest.push(tried);
+    let Some(best) = reduced(physics, rows, start, &found.best) else { return found };
+    let Some(gain) = compare(&start.evaluation, &best.evaluation, &rows[0].log) else { return found };
+    let mut kept: Vec<Tried> = Vec::new();
+    for rival in found.rivals {
+        let rival = reduced(physics, rows, start, &rival).unwrap_or(rival);
+        let is_known = |other: &Tried| other.description.same_but_for_sizes(&rival.description);
+        if count(&rival) == count(&best) && !std::iter::once(&best).chain(&kept).any(is_known) {
+            kept.push(rival);
         }
     }
-    let best = smallest.remove(0);
-    let gain = compare(&start.evaluation, &best.evaluation, &rows[0].log).unwrap_or(gain);
-    Found { best, rivals: smallest, next, gain, is_determined }
+    (found.best, found.rivals, found.gain) = (best, kept, gain);
+    found
 }
 
-/// A description without the changes by which it is not clearly better, one after the other.
-fn reduced(physics: &Physics, [rows, whole]: [&Rows; 2], start: &Tried, mut own: Tried) -> Tried {
+/// A description without changes that gain nothing to speak of, one after the other; none where each gains something. What is left is
+/// compared with all of them, so that small losses do not add up.
+fn reduced(physics: &Physics, [rows, whole]: [&Rows; 2], start: &Tried, all: &Tried) -> Option<Tried> {
+    let mut out: Option<Tried> = None;
     loop {
-        let with = own.description.changes.len();
-        let shorter = without_each(&start.description, &own.description);
-        let tried = shorter.into_iter().filter(|other| other.changes.len() < with).filter_map(|other| {
-            let other = zeros::refined(physics, whole, &other).unwrap_or(other);
-            Tried::new(physics, rows, other)
-        });
-        let is_needless = |other: &Tried| {
-            compare(&other.evaluation, &own.evaluation, &rows.log).is_some_and(|gain| !gain.is_distinct())
+        let own = &out.as_ref().unwrap_or(all).description;
+        let shorter = without_each(&start.description, own);
+        let is_shorter = |other: &Description| {
+            (start.description.changes.len() + 1..own.changes.len()).contains(&other.changes.len())
         };
-        let needless = tried.filter(is_needless).min_by(|a, b| a.share().total_cmp(&b.share()));
-        match needless {
-            Some(other) if other.description.changes.len() > start.description.changes.len() => own = other,
-            _ => return own,
+        let tried = shorter
+            .into_iter()
+            .filter(is_shorter)
+            .filter_map(|other| Tried::new(physics, rows, zeros::refined(physics, whole, &other).unwrap_or(other)));
+        let is_as_good = |other: &Tried| {
+            // A torque that drops out, as one that is given the motion of a joint at rest, is not explained.
+            let both = other.evaluation.unexplained.iter().zip(&all.evaluation.unexplained);
+            let explains_all = both.into_iter().all(|(other, all)| other.is_some() || all.is_none());
+            let gain = compare(&other.evaluation, &all.evaluation, &rows.log);
+            explains_all && gain.is_some_and(|gain| !gain.is_noticeable())
+        };
+        match tried.filter(is_as_good).min_by(|a, b| a.share().total_cmp(&b.share())) {
+            Some(other) => out = Some(other),
+            None => return out,
         }
     }
 }

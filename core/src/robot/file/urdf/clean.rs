@@ -3,9 +3,10 @@
 
 use super::super::xml::{attribute, child, children, escaped, is, words};
 use super::elements::joint_type;
-use super::tree;
+use super::{numbers, tree};
 use roxmltree::{Document, Node};
 use std::fmt::Write;
+use std::path::Path;
 
 /// Attributes of a body's elements.
 const BODY: [(&str, &[&str]); 3] = [
@@ -43,9 +44,9 @@ pub(super) fn clean(document: &Document, looks: bool) -> String {
     for node in root.children() {
         if is(&node, "link") {
             open(&mut text, &node, &["name"]);
-            // The body of a link that is fixed to the base says nothing about the arm.
+            // The body of a link that is fixed to the base says nothing about the arm, whatever stands there.
             let moves = attribute(&node, "name").is_some_and(|name| moved.contains(name));
-            if moves || has_numbers(&node) {
+            if moves || numbers::check_body(Path::new(""), &node).is_ok() {
                 body(&mut text, &node);
             }
             if looks {
@@ -59,15 +60,6 @@ pub(super) fn clean(document: &Document, looks: bool) -> String {
         }
     }
     text + "</robot>"
-}
-
-/// Whether all that the body of a link holds are numbers.
-fn has_numbers(link: &Node) -> bool {
-    let Some(inertial) = child(link, "inertial") else { return true };
-    let is_number = |word: &str| word.parse::<f64>().is_ok_and(f64::is_finite);
-    let values = BODY.iter().filter_map(|(tag, names)| Some((child(&inertial, tag)?, names)));
-    let mut values = values.flat_map(|(node, names)| names.iter().filter_map(move |name| attribute(&node, name)));
-    values.all(|value| words(value).all(is_number))
 }
 
 fn body(text: &mut String, link: &Node) {

@@ -208,7 +208,7 @@ pub(super) fn by_joint(robot: &Robot) -> (&'static str, Vec<String>) {
 
 /// The header of a column whose unit is that of the joints, and what follows a joint's value: the unit stands in the header where all joints
 /// have one, else with each value.
-pub(super) fn with_unit(robot: Option<&Robot>, what: &str, unit: Unit) -> (String, Vec<String>) {
+pub(super) fn column_with_unit(robot: Option<&Robot>, what: &str, unit: Unit) -> (String, Vec<String>) {
     let joints = robot.map_or(&[][..], |robot| &robot.joints);
     let units: Vec<&str> = joints.iter().map(|joint| joint.kind.unit(unit)).collect();
     match units.first() {

@@ -1,6 +1,6 @@
 //! The result of `tauscope inspect`.
 
-use super::console::{significant, table, with_unit};
+use super::console::{column_with_unit, significant, table};
 use crate::internal::quality::excitation;
 use crate::quality::descriptions::{Alternative, Change, Verdict, is_description, words};
 use crate::quality::{Finding, JointSummary, Kind, Report, Severity, with_logs};
@@ -222,7 +222,7 @@ fn text(path: &Path, robot: Option<&Robot>, report: &Report, own: &[&Finding]) -
     if !report.joints.is_empty() {
         let percent = |share: Option<f64>| share.map_or("-".to_owned(), |s| format!("{:.0} %", 100.0 * s));
         let columns = [("position", Unit::Position), ("speed", Unit::Velocity), ("torque rms", Unit::Effort)];
-        let [position, speed, torque] = columns.map(|(what, unit)| with_unit(robot, what, unit));
+        let [position, speed, torque] = columns.map(|(what, unit)| column_with_unit(robot, what, unit));
         let unit = |units: &[String], joint: usize| units.get(joint).cloned().unwrap_or_default();
         let rows = report
             .joints

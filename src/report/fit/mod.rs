@@ -7,7 +7,7 @@ pub use notes::{
     undetermined_held_out, unlike_described,
 };
 
-use super::console::{by_joint, significant, table, with_unit};
+use super::console::{by_joint, column_with_unit, significant, table};
 use crate::identification::consistent::Consistent;
 use crate::identification::effect_model::Trust;
 use crate::identification::fit::{BetweenLogs, Fitted};
@@ -258,7 +258,7 @@ fn drives(robot: &Robot, fitted: &Fitted) -> String {
         ("Fc", "Coulomb friction", Unit::Effort),
         ("Ia", "rotor inertia", Unit::Inertia),
     ];
-    let columns = columns.map(|(symbol, what, unit)| (symbol, with_unit(Some(robot), what, unit)));
+    let columns = columns.map(|(symbol, what, unit)| (symbol, column_with_unit(Some(robot), what, unit)));
     let headers = columns.iter().map(|(_, (header, _))| header.clone());
     let header: Vec<String> = std::iter::once("identified".to_owned()).chain(headers).collect();
     let in_unit = |value: String, unit: &str| if value == "-" { value } else { value + unit };

@@ -22,18 +22,17 @@ pub(super) fn refined_gravity(model: &Model, input: &Input, options: &Options) -
     let known = Known { effects: input.present.clone(), ..Known::nothing(robot, options.trust) };
     let logs: Vec<&Recording> = input.train.iter().chain(&input.test).chain(&input.reference).copied().collect();
     let session = prepare(model, options.trust, known, &logs, &logs, options.criteria)?;
-    let names = |wanted: &dyn Fn(&Placed) -> bool| -> Vec<String> {
-        let all = LIBRARY.iter().filter(|effect| wanted(&Placed::typical(**effect, 0)));
-        all.map(|effect| effect.about().name.to_owned()).collect()
-    };
+    let is_asked = |placed: &Placed| placed.effect.is_constant() || gravity_under(placed, robot) != robot.gravity;
+    let asked = LIBRARY.iter().map(|effect| Placed::typical(*effect, 0)).filter(is_asked);
+    let names: Vec<String> = asked.map(|placed| placed.effect.about().name.to_owned()).collect();
     let train = &session.logs.train;
-    let candidates = |names: &[String]| all_candidates(&session.model.arm, &train.rows, options.trust, names);
-    let constant: Vec<Candidate> = candidates(&names(&|placed| placed.effect.is_constant()))?;
+    let candidates = all_candidates(&session.model.arm, &train.rows, options.trust, &names)?;
+    let (constant, tilts): (Vec<Candidate>, Vec<Candidate>) =
+        candidates.into_iter().partition(|candidate| candidate.placed.effect.is_constant());
     let constant = constant.iter().flat_map(|candidate| candidate.columns.iter());
     let present: Vec<Column> = train.baseline.iter().chain(constant).cloned().collect();
     let whitener = session.noise_under(&present);
     let fit = whitener.fit(&present, &train.torque);
-    let tilts = candidates(&names(&|placed| gravity_under(placed, robot) != robot.gravity))?;
     let judged = tilts.iter().filter_map(|candidate| session.judge(candidate, &whitener, &fit));
     let Some(best) = judged.min_by(|a, b| a.test.log_p().total_cmp(&b.test.log_p())) else { return Ok(None) };
     let best = session.refined(best, &whitener, &fit)?;

@@ -31,16 +31,9 @@ impl Default for NoiseMemory {
 }
 
 impl NoiseMemory {
-    /// The noise estimated from these inputs, worked out if it is not known.
-    ///
-    /// Two threads that ask for the same at once both work it out: one that waits could take up work that waits for itself.
+    /// The noise estimated from these inputs.
     pub(super) fn get(&self, key: u128, estimate: impl FnOnce() -> JointWhitener) -> Arc<JointWhitener> {
-        if let Some(known) = self.noises.get(&key) {
-            return known;
-        }
-        let new = Arc::new(estimate());
-        self.noises.insert(key, new.clone());
-        new
+        remembered(&self.noises, key, estimate)
     }
 }
 
@@ -65,15 +58,25 @@ impl Default for FactorMemory {
 }
 
 impl FactorMemory {
-    /// The factors of these inputs, worked out if they are not known; by two threads that ask at once.
+    /// The factors of these inputs.
     pub(super) fn get(&self, key: u128, factor: impl FnOnce() -> JointFactors) -> Arc<JointFactors> {
-        if let Some(known) = self.0.get(&key) {
-            return known;
-        }
-        let new = Arc::new(factor());
-        self.0.insert(key, new.clone());
-        new
+        remembered(&self.0, key, factor)
     }
+}
+
+/// The value of a key, worked out if it is not known.
+///
+/// Two threads that ask for the same at once both work it out: one that waits could take up work that waits for itself.
+fn remembered<V, W>(known: &Cache<u128, Arc<V>, W>, key: u128, make: impl FnOnce() -> V) -> Arc<V>
+where
+    W: Weighter<u128, Arc<V>> + Clone,
+{
+    if let Some(known) = known.get(&key) {
+        return known;
+    }
+    let new = Arc::new(make());
+    known.insert(key, new.clone());
+    new
 }
 
 /// A key of 128 bits of a joint, its valid rows, the torque and the columns there.

@@ -4,7 +4,9 @@ use super::innovations::InnovationsFilter;
 use super::joint_whitener::JointWhitener;
 use super::memory::{FactorMemory, NoiseMemory, key_of_factors, key_of_noise};
 use crate::diagnosis::logs::Rows;
-use crate::diagnosis::regression::{Column, Factored, JointEquations, JointFactors, OfJoint, Projection, Solved};
+use crate::diagnosis::regression::{
+    Column, Factored, JointEquations, JointFactors, OfJoint, Projection, Solved, parts_on,
+};
 use crate::identification::noise::AutoregressiveNoise;
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -78,8 +80,7 @@ impl Whitener {
 
     fn factored(&self, columns: &[Column], torque: &Column) -> Factored {
         let of_joint = |(joint, JointWhitener { filter, misfit }): (usize, &JointWhitener)| {
-            let own = columns.iter().enumerate().filter_map(|(place, column)| Some((place, column.part(joint)?)));
-            let (places, parts): (Vec<usize>, Vec<&[f64]>) = own.unzip();
+            let (places, parts) = parts_on(columns, joint);
             let torque = torque.part(joint);
             if places.is_empty() && torque.is_none() {
                 return None;

@@ -1,6 +1,6 @@
 //! An orthonormal basis of columns, held joint by joint so that inner products are products of matrices.
 
-use super::column::{Column, joints_of};
+use super::column::{Column, joints_of, parts_on};
 use super::factors::JointFactors;
 use crate::linear::{product_of, subtract_product};
 use nalgebra::DMatrix;
@@ -172,8 +172,7 @@ struct OnJoint<'a> {
 
 /// Which of `columns` act on a joint, and their values there, one column after the other.
 pub(super) fn on_joint(columns: &[Column], joint: usize) -> (Vec<usize>, Vec<f64>) {
-    let own = columns.iter().enumerate().filter_map(|(place, column)| Some((place, column.part(joint)?)));
-    let (places, parts): (Vec<usize>, Vec<&[f64]>) = own.unzip();
+    let (places, parts) = parts_on(columns, joint);
     (places, parts.concat())
 }
 

@@ -135,6 +135,11 @@ pub(crate) fn joints_of(columns: &[Column]) -> BTreeSet<usize> {
     columns.iter().flat_map(|column| column.parts.iter().map(|(joint, _)| *joint)).collect()
 }
 
+/// Which of `columns` act on a joint, and their values there.
+pub(crate) fn parts_on(columns: &[Column], joint: usize) -> (Vec<usize>, Vec<&[f64]>) {
+    columns.iter().enumerate().filter_map(|(place, column)| Some((place, column.part(joint)?))).unzip()
+}
+
 /// The sum of `columns` with their `values`.
 pub(crate) fn combined(columns: &[Column], values: &[f64]) -> Column {
     let mut sum = Column::default();

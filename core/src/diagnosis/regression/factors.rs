@@ -72,6 +72,11 @@ impl JointFactors {
         &self.torque
     }
 
+    /// Number of orthonormal directions.
+    pub(super) fn rank(&self) -> usize {
+        self.qr().triangle.nrows()
+    }
+
     /// Orthonormal directions, one after the other.
     pub(super) fn directions(&self) -> &[f64] {
         &self.qr().directions
@@ -122,13 +127,13 @@ impl Factored {
     /// Columns and torque over the directions of all joints instead of over the rows, `[column][direction]`; a column that is not finite
     /// somewhere is zero throughout.
     pub(super) fn condensed(&self) -> (Vec<Vec<f64>>, DVector<f64>) {
-        let directions: usize = self.joints.iter().map(|own| own.factors.qr().triangle.nrows()).sum();
+        let directions: usize = self.joints.iter().map(|own| own.factors.rank()).sum();
         let mut columns = vec![vec![0.0; directions]; self.columns];
         let mut torque = DVector::zeros(directions);
         let mut first = 0;
         for OfJoint { places, factors, weight, .. } in &self.joints {
             let Factors { triangle, along, .. } = factors.qr();
-            let count = triangle.nrows();
+            let count = factors.rank();
             for (&place, part) in places.iter().zip(triangle.column_iter()) {
                 columns[place][first..first + count].iter_mut().zip(part.iter()).for_each(|(x, y)| *x = weight * y);
             }

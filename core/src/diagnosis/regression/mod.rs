@@ -11,7 +11,7 @@ mod score;
 mod solution;
 
 pub use column::{Column, rms};
-pub(crate) use column::{combined, joints_of};
+pub(crate) use column::{combined, joints_of, parts_on};
 pub(crate) use factors::{Factored, JointFactors, OfJoint};
 pub use score::Projection;
 pub(crate) use score::Test;

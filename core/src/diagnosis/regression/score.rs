@@ -53,7 +53,7 @@ impl Projection {
         let (mut residual, mut model) = (Column::default(), Vec::new());
         for OfJoint { joint, factors, weight, .. } in &factored.joints {
             let mut left: Vec<f64> = factors.torque().iter().map(|x| weight * x).collect();
-            let count = factors.directions().len().checked_div(factors.rows()).unwrap_or(0);
+            let count = factors.rank();
             let own = DMatrix::from_column_slice(count, 1, fitted.rows(first, count).as_slice());
             subtract_product(&mut left, factors.directions(), factors.rows(), &own);
             residual.parts.push((*joint, left));

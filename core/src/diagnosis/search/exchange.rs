@@ -19,6 +19,17 @@ pub(super) struct Exchange {
     pub places: Vec<usize>,
 }
 
+impl Exchange {
+    /// Makes the exchange among what was `found`: the law takes the place of the last finding of those that it replaces and that come up to
+    /// `index`. Returns that place.
+    pub(super) fn make(self, found: &mut Vec<Found>, index: usize) -> usize {
+        let at = index + 1 - self.places.iter().filter(|&&place| place <= index).count();
+        self.places.into_iter().rev().for_each(|place| drop(found.remove(place)));
+        found.insert(at, self.by);
+        at
+    }
+}
+
 /// The winner of a model comparison in the place of the finding at `index` and of all others whose parameters it makes unidentifiable,
 /// where it passes all gates without them and held-out logs do not contradict it. A constant torque, which one of them may have explained
 /// too, does not count.
@@ -35,7 +46,7 @@ pub(super) fn exchanged(
 ) -> Result<Option<Exchange>> {
     let train = &session.logs.train;
     let others: Vec<usize> = (0..found.len()).filter(|&place| place != index).collect();
-    let of_others: Vec<Member> = others.iter().map(|&place| found[place].member.clone()).collect();
+    let of_others = staying(found, &[index]);
     let with: Vec<Member> = of_others.iter().cloned().chain([winner.member()]).collect();
     let whitener = session.noise_under(&session.model.columns(train, &with)?);
     let solved = [session.solved(&of_others, &whitener)?, session.solved(&with, &whitener)?];
@@ -64,6 +75,9 @@ pub(super) fn one_body(
 ) -> Result<Option<Exchange>> {
     let is_body = |&place: &usize| found[place].member.placed.effect.is_body() && found[place].can_be_asked();
     let bodies: Vec<usize> = (0..found.len()).filter(is_body).collect();
+    if bodies.len() < 2 {
+        return Ok(None);
+    }
     let train = &session.logs.train;
     let whitener = session.noise_under(&session.model.columns(train, &members(found))?);
     for (k, &first) in bodies.iter().enumerate() {

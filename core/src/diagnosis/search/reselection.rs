@@ -4,7 +4,7 @@
 use super::acceptance::{Outcome, Refusal, Trial, is_confirmable};
 use super::comparison::{Chosen, Comparison, InOwnNoise, compare};
 use super::eligible::{Contenders, Standing};
-use super::exchange::{Exchange, exchanged, one_body};
+use super::exchange::{exchanged, one_body};
 use super::found::{Alternative, Found, Rejected, explained_by_play, members};
 use super::parsimony::chosen;
 use super::round::Round;
@@ -123,10 +123,10 @@ pub(super) fn reselect(
         return Ok(changed);
     }
     while !watch.is_over()
-        && let Some(Exchange { by, places }) = one_body(session, found, everywhere, multiplicity, alpha)?
+        && let Some(exchange) = one_body(session, found, everywhere, multiplicity, alpha)?
     {
-        places.iter().rev().for_each(|&place| drop(found.remove(place)));
-        found.insert(places[0], by);
+        let first = exchange.places[0];
+        exchange.make(found, first);
         changed = true;
     }
     let mut next = 0;
@@ -162,13 +162,9 @@ pub(super) fn reselect(
             }
             Outcome::Refused(Refusal { may_be, failed, .. }) => {
                 if failed.gate == Gate::EarlierParameters
-                    && let Some(Exchange { by, places }) =
-                        exchanged(session, found, index, &winner, multiplicity, alpha)?
+                    && let Some(exchange) = exchanged(session, found, index, &winner, multiplicity, alpha)?
                 {
-                    next -= places.iter().filter(|&&place| place < next).count();
-                    places.into_iter().rev().for_each(|place| drop(found.remove(place)));
-                    found.insert(next, by);
-                    (next, changed) = (next + 1, true);
+                    (next, changed) = (exchange.make(found, index) + 1, true);
                     continue;
                 }
                 rejected.push(Rejected { slot: winner.candidate.slot(), failed });

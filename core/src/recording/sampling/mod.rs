@@ -6,8 +6,8 @@
 
 mod interpolation;
 mod late;
+mod late_source;
 pub(super) mod rates;
-mod repeats;
 pub mod resample;
 mod restarts;
 pub(super) mod reversed;

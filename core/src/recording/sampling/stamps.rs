@@ -1,7 +1,7 @@
 //! The clock of a log in seconds: parts in two columns, coarse clocks, stamps that were put together wrongly, and rows of
 //! two sources.
 
-use super::{late, repeats, restarts, set, unit, wrapped};
+use super::{late, late_source, restarts, set, unit, wrapped};
 use crate::error::{Error, Result};
 use crate::recording::columns::{ColumnMap, Layout};
 use crate::recording::formats::text::Text;
@@ -104,7 +104,7 @@ pub(crate) fn clock(
     }
     let positions: Vec<usize> = layout.positions().to_vec();
     let signals: Vec<&[f64]> = positions.iter().map(|&column| columns[column].as_slice()).collect();
-    if let Some(spoilt) = of_two_sources(&signals).or_else(|| repeats::of_late_source(&signals)) {
+    if let Some(spoilt) = of_two_sources(&signals).or_else(|| late_source::finding(&signals)) {
         clock.spoilt = Some(spoilt);
         return Ok(clock);
     }

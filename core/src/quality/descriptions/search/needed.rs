@@ -1,6 +1,6 @@
 //! Changes of a set that the others make needless.
 //!
-//! A set grows by one change at a time. A change that stood for a part of the truth, before another one came, explains nothing beside that.
+//! A set grows by one change at a time. A change that explained a part, before another was added, may explain nothing together with that.
 
 use super::found::Found;
 use crate::quality::descriptions::change::{Change, Description};

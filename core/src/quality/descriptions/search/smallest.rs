@@ -198,7 +198,7 @@ fn judged(
     judged
 }
 
-/// Fits the zeros of the best anew, which were fitted before the last change came; the best first.
+/// Fits the zeros of the best again, which were fitted before the last change was added; the best first.
 fn refine(physics: &Physics, [rows, whole]: [&Rows; 2], judged: &mut [(Tried, Comparison)], start: &Tried) {
     let better = |(tried, gain): &(Tried, Comparison)| {
         let refined = zeros::refined(physics, whole, &tried.description)?;

@@ -17,12 +17,9 @@ const PERHAPS_DEG: f64 = 8.0;
 /// as these explain the torques, leave clearly more of these on blocks held out than with the fitted ones.
 pub(super) fn with_usual_zeros(physics: &Physics, bodies: Option<&Physics>, rows: &Rows, mut found: Found) -> Found {
     let of_bodies = bodies.filter(|bodies| !std::ptr::eq(*bodies, physics));
-    if let Some(usual) = usual(physics, of_bodies, rows, &found.best) {
-        found.best = usual;
-    }
-    for rival in &mut found.rivals {
-        if let Some(usual) = usual(physics, of_bodies, rows, rival) {
-            *rival = usual;
+    for own in std::iter::once(&mut found.best).chain(&mut found.rivals) {
+        if let Some(usual) = usual(physics, of_bodies, rows, own) {
+            *own = usual;
         }
     }
     found

@@ -63,7 +63,7 @@ pub(crate) fn of_neighbours(physics: &Physics, rows: &Rows, from: &Description) 
     })
 }
 
-/// The description with its offsets fitted anew: those that were fitted before another change came are not the best beside it. None where it
+/// The description with its offsets fitted again: those that were fitted before another change was added are not the best with it. None where it
 /// has none, or one is then too small to be reported.
 pub(crate) fn refined(physics: &Physics, rows: &Rows, from: &Description) -> Option<Description> {
     let (_, few) = prepared(physics, rows, from)?;
@@ -125,11 +125,15 @@ fn with_more(
     let alone = at_places(joints.iter().map(|&joint| (joint, None)).collect());
     // A joint whose zero changes nothing about the torques, as one whose axis is vertical and stands on nothing that moves, has none.
     let joints: Vec<usize> = joints.into_iter().filter(|&joint| shows(&alone, joint, without)).collect();
-    let beside =
+    let with_another =
         at_places(joints.iter().flat_map(|&joint| taken(joint).into_iter().map(move |t| (joint, t))).collect());
     let refined = |&joint: &usize| {
-        let own = alone.iter().filter(|_| taken(joint).contains(&None)).chain(&beside);
-        let each = own.filter(|tried| tried.joint == joint).map(|tried| (tried.place, tried.taken, tried.merit));
+        let alone = if taken(joint).contains(&None) { alone.as_slice() } else { &[] };
+        let each = alone
+            .iter()
+            .chain(&with_another)
+            .filter(|tried| tried.joint == joint)
+            .map(|tried| (tried.place, tried.taken, tried.merit));
         let (least, taken, _) = each.chain([(0, None, without)]).min_by(|a, b| a.2.total_cmp(&b.2))?;
         let step = STEP_DEG.to_radians();
         let offset =

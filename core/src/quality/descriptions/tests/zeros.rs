@@ -51,9 +51,9 @@ fn a_wrong_zero_is_found_alone_or_with_a_second() {
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
-/// A zero that was found before another change came is fitted anew beside it, and none is added to make up for it.
+/// A zero that was found before another change is fitted again together with it, and none is added to make up for it.
 #[test]
-fn a_zero_is_found_beside_a_sign_and_nothing_else() {
+fn a_zero_is_found_together_with_a_sign_and_nothing_else() {
     let robot = irb();
     for (joint, degrees, sign) in [(1, 90.0, 2), (2, 50.0, 5), (1, -50.0, 4)] {
         let changes = [Change::ZeroOffset(joint, f64::to_radians(degrees)), Change::TorqueSign(sign)];

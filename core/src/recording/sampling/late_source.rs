@@ -14,7 +14,7 @@ const FEWEST: usize = 50;
 const DIGITS: f64 = 3.0;
 
 /// What is wrong with rows that repeat the state of an earlier row, which others have left in between, and what to do.
-pub(super) fn of_late_source(positions: &[&[f64]]) -> Option<String> {
+pub(super) fn finding(positions: &[&[f64]]) -> Option<String> {
     let rows = positions.first()?.len();
     if rows < FEWEST {
         return None;
@@ -55,7 +55,7 @@ mod tests {
     fn found(rows: usize, state: impl Fn(usize) -> [f64; 2]) -> bool {
         let each: Vec<[f64; 2]> = (0..rows).map(state).collect();
         let signals: Vec<Vec<f64>> = (0..2).map(|joint| each.iter().map(|row| row[joint]).collect()).collect();
-        of_late_source(&signals.iter().map(Vec::as_slice).collect::<Vec<_>>()).is_some()
+        finding(&signals.iter().map(Vec::as_slice).collect::<Vec<_>>()).is_some()
     }
 
     #[test]

@@ -13,19 +13,20 @@ use rayon::prelude::*;
 ///
 /// ```
 /// # extern crate tauscope_core as tauscope;
-/// use tauscope::diagnosis::{Criteria, Diagnosis, Gate, Options};
+/// use tauscope::diagnosis::{Criteria, Diagnosis, Gate, Levels, Options};
 /// # use tauscope::recording;
 /// # use tauscope::robot::{self, InertiaCheck};
 /// # let robot = robot::load("../tests/reference/pendulum.urdf", InertiaCheck::Ignored)?;
 /// # let log = |name: &str| recording::load(format!("../tests/reference/pendulum/{name}.csv"), None);
 /// # let (train, test) = (log("train")?, log("test")?);
 ///
-/// // Where no joint may be predicted as badly as by the baseline no finding passes: the ripple does not matter.
-/// let criteria = Criteria { worse: 0.5, ..Criteria::default() };
+/// // Where only what exceeds the torque matters no finding passes: the ripple is minor.
+/// let levels = Levels { minor: 100.0, ..Levels::default() };
+/// let criteria = Criteria { share_of_torque: 1.0, levels, ..Criteria::default() };
 /// let options = Options { criteria, candidates: vec!["torque_ripple".to_owned()], ..Options::default() };
 /// let answer = Diagnosis::of(&robot).train([&train]).test([&test]).options(options).run()?;
 /// let minor = &answer.diagnosis().expect("the logs are good").minor[0];
-/// assert_eq!(minor.failed.gate, Gate::EveryJoint);
+/// assert_eq!(minor.failed.gate, Gate::Size);
 /// assert_eq!(minor.found.member.placed.effect.about().name, "torque_ripple");
 /// # Ok::<(), tauscope::error::Error>(())
 /// ```

@@ -96,7 +96,7 @@ impl Default for Options {
         Options {
             trust: Trust::Structure,
             alpha: 0.05,
-            max_findings: 12,
+            max_findings: 24,
             seed: 0,
             candidates: Vec::new(),
             criteria: Criteria::default(),

@@ -30,9 +30,14 @@ const APART: f64 = 0.3;
 const TIMES: [f64; 7] = [0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0];
 const TWISTS: [f64; 6] = [1e-4, 4e-4, 1.6e-3, 6.4e-3, 2.5e-2, 0.1];
 
-/// Highest harmonic of a ripple scan, and its narrowest step.
-const HIGHEST_HARMONIC: f64 = 60.0;
+/// Highest harmonic of a ripple that is looked for whatever the speed, the highest of all (twice per turn of the wave generator of a strain
+/// wave gear of 160 to 1), and the narrowest step.
+const ALWAYS_HARMONIC: f64 = 60.0;
+const HIGHEST_HARMONIC: f64 = 330.0;
 const HARMONIC_STEP: f64 = 0.4;
+
+/// Least number of periods over a joint's range: fewer are any bend over the position.
+const LEAST_PERIODS: f64 = 1.5;
 
 /// Lengths of what happens once, s.
 const EVENTS_S: [f64; 3] = [1.5, 3.0, 6.0];
@@ -45,6 +50,8 @@ const LEAST_SIZE: f64 = 1e-3;
 pub(crate) struct Extent {
     /// Highest speed, rad/s or m/s.
     pub speed: f64,
+    /// Highest number of periods per turn that the rows hold where the joint moves slowly: half a period from row to row.
+    pub harmonic: f64,
     /// Distance between its farthest positions, rad or m.
     pub range: f64,
     /// Largest torque, N m or N.
@@ -109,12 +116,22 @@ impl Extent {
         }
     }
 
+    /// Bounds of a shape beyond which the law is another on this joint: a ripple of few periods over its range is any bend.
+    pub(crate) fn bounds_of_law(&self, effect: &dyn Effect, index: usize) -> (f64, f64) {
+        let Parameter { lower: low, upper: high, .. } = effect.parameters()[index];
+        match effect.search(index) {
+            Search::PerTurn => (low.max(LEAST_PERIODS * std::f64::consts::TAU / self.range).min(high), high),
+            _ => (low, high),
+        }
+    }
+
     fn shapes(&self, effect: &dyn Effect, index: usize, alone: bool) -> Vec<f64> {
         let parameter = &effect.parameters()[index];
         let (low, high) = self.bounds(effect, index);
         if effect.search(index) == Search::PerTurn {
             let step = (std::f64::consts::PI / (2.0 * self.range)).max(HARMONIC_STEP);
-            let count = ((HIGHEST_HARMONIC - low) / step) as usize;
+            let highest = self.harmonic.clamp(ALWAYS_HARMONIC, HIGHEST_HARMONIC);
+            let count = ((highest - low) / step) as usize;
             return (0..=count).map(|k| low + k as f64 * step).collect();
         }
         let points = if alone { ALONE } else { ONE_OF_SEVERAL };
@@ -128,7 +145,7 @@ impl Extent {
     /// Bounds of a shape on this joint: what is called a transition at low speed must lie at low speed, and a time constant longer than the
     /// logs is a drift.
     fn bounds(&self, effect: &dyn Effect, index: usize) -> (f64, f64) {
-        let Parameter { lower: low, upper: high, .. } = effect.parameters()[index];
+        let (low, high) = self.bounds_of_law(effect, index);
         let (least, most) = match effect.search(index) {
             Search::LowSpeed => (0.0, LOW_SPEED * self.speed),
             Search::TimeConstant => (SHORTEST_DRIFT * self.time[1], LONGEST_DRIFT * self.time[1]),
@@ -190,7 +207,7 @@ mod tests {
     use super::*;
 
     fn extent() -> Extent {
-        Extent { speed: 2.0, range: 3.0, torque: 50.0, time: [100.0, 120.0] }
+        Extent { speed: 2.0, harmonic: 0.0, range: 3.0, torque: 50.0, time: [100.0, 120.0] }
     }
 
     #[test]
@@ -214,6 +231,22 @@ mod tests {
         let index = power.parameters().iter().position(|parameter| parameter.name == "exponent").unwrap();
         let of = |exponent: f64| extent().within_bounds(power, index, exponent);
         assert_eq!([of(0.9), of(1.1), of(0.5), of(2.0)], [0.7, 1.3, 0.5, 2.0]);
+    }
+
+    #[test]
+    fn ripples_are_looked_for_up_to_what_slow_motions_show() {
+        let ripple = find("torque_ripple").unwrap();
+        let highest = |harmonic: f64| {
+            let grid = Extent { harmonic, ..extent() }.grid(ripple, 0);
+            grid.last().unwrap().parameters[2]
+        };
+        // The step is pi / (2 * 3 rad).
+        let step = std::f64::consts::PI / 6.0;
+        // One and a half periods over 3 rad.
+        assert!((extent().grid(ripple, 0)[0].parameters[2] - std::f64::consts::PI).abs() < 1e-12);
+        for (resolved, expected) in [(0.0, 60.0), (100.0, 100.0), (1e9, 330.0)] {
+            assert!((expected - step..=expected).contains(&highest(resolved)), "{resolved}: {}", highest(resolved));
+        }
     }
 
     #[test]

@@ -64,7 +64,7 @@ pub(crate) struct Arguments {
     #[arg(long, default_value_t = 0.05, help_heading = "Search")]
     alpha: f64,
     /// Largest number of effects that are reported.
-    #[arg(long, default_value = "12", value_parser = clap::value_parser!(u16).range(1..), help_heading = "Search")]
+    #[arg(long, default_value = "24", value_parser = clap::value_parser!(u16).range(1..), help_heading = "Search")]
     max_findings: u16,
     /// Effects to test, comma-separated or repeated. Default: all of the library.
     #[arg(long, value_name = "EFFECTS", value_delimiter = ',', help_heading = "Search")]

@@ -226,6 +226,7 @@ fn answer<'a>(
     let Structure { mut unexplained, rejected: mut rejected_structure } = structure;
     let Selection {
         mut found,
+        is_full,
         mut rejected,
         whitener,
         first_whitener,
@@ -339,6 +340,7 @@ fn answer<'a>(
         map,
         load: None,
         unfinished,
+        is_full,
         next_experiment,
         evidence,
     };

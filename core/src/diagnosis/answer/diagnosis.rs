@@ -213,6 +213,8 @@ pub struct Diagnosis {
     pub load: Option<Payload>,
     /// Whether the search was ended before it was done: effects may be missing, and rivals of names.
     pub unfinished: bool,
+    /// Whether it ended with as many findings as were asked for: more may act.
+    pub is_full: bool,
     /// Structure without a name.
     pub unexplained: Vec<Unexplained>,
     /// Structure of joints without any that is reported, each with the gate that it failed.

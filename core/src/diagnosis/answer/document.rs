@@ -319,6 +319,7 @@ impl Document {
                 diagnosis.logs.held_out_from_training.then(|| held_out.to_owned()),
             ),
             ("unfinished", "search", notices::unfinished(diagnosis)),
+            ("most_findings", "search", notices::most_findings(diagnosis)),
             ("equal_states", "reference logs", notices::equal_states(diagnosis)),
             ("mixed_rates", "t", notices::mixed_rates(diagnosis)),
             ("sampling_delay", "tau", notices::sampling(robot, diagnosis)),

@@ -79,7 +79,8 @@ pub(super) fn all_inertias<'a>(
     let Searched { selection, structure, .. } = trusting;
     let bodies = selection.found.iter().filter(is_body).count();
     let left = certain(&structure.unexplained);
-    if (bodies <= few && left < few) || watch.is_over() {
+    // What a search has not come to is no reason to doubt the inertias.
+    if (bodies <= few && (left < few || selection.is_full)) || watch.is_over() {
         return Ok(Outcome::NotAsked);
     }
     let mut session = prepare(trusted.model.base, Trust::Structure, known, train, test, options.criteria)?;

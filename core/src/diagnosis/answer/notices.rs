@@ -33,6 +33,7 @@ pub fn remedy(faults: &[DataFault]) -> String {
 pub fn shown(robot: &Robot, diagnosis: &Diagnosis) -> Vec<String> {
     let all = [
         unfinished(diagnosis),
+        most_findings(diagnosis),
         equal_states(diagnosis),
         mixed_rates(diagnosis),
         sampling(robot, diagnosis),
@@ -57,6 +58,13 @@ pub(super) fn unfinished(diagnosis: &Diagnosis) -> Option<String> {
     diagnosis.unfinished.then(|| {
         "the search ended early: effects and alternatives may be missing. Repeat it with a longer --budget, or without one"
             .to_owned()
+    })
+}
+
+/// Notice on a search that ended with as many findings as were asked for.
+pub(super) fn most_findings(diagnosis: &Diagnosis) -> Option<String> {
+    diagnosis.is_full.then(|| {
+        "the search ended at the largest number of findings: more effects may act. Repeat it with a larger --max-findings".to_owned()
     })
 }
 

@@ -1,10 +1,10 @@
 //! Shapes at a bound of their law: better there than inside, the data ask for another law.
 
 use super::judging::Judged;
-use crate::diagnosis::model::{Candidate, Moved, Session, prior, shapes};
+use crate::diagnosis::model::{Candidate, Moved, Session, extent, prior, shapes};
 use crate::diagnosis::noise::Whitener;
 use crate::diagnosis::regression::{Column, Projection};
-use crate::effects::{Parameter, Placed, Search, varies_by_factors};
+use crate::effects::{Placed, Search, varies_by_factors};
 use crate::error::Result;
 use std::f64::consts::TAU;
 
@@ -20,8 +20,10 @@ impl Session<'_> {
     /// If a log is too short to differentiate.
     pub(crate) fn lost_inside_bounds(&self, judged: &Judged, whitener: &Whitener, fit: &Projection) -> Result<f64> {
         let Candidate { placed, log, columns } = &judged.candidate;
+        let extent = extent(&self.logs.train.rows, placed.joint);
         let at_bounds = shapes(placed.effect).into_iter();
-        let inside: Vec<Placed> = at_bounds.filter_map(|index| moved_inside(placed, index)).collect();
+        let bounds = |index: usize| extent.bounds_of_law(placed.effect, index);
+        let inside: Vec<Placed> = at_bounds.filter_map(|index| moved_inside(placed, index, bounds(index))).collect();
         if inside.is_empty() {
             return Ok(0.0);
         }
@@ -37,8 +39,7 @@ impl Session<'_> {
 
 /// The effect with a shape that lies at a bound of its law moved inside. A whole turn has no bound, nor has a time at which something
 /// happens.
-fn moved_inside(placed: &Placed, index: usize) -> Option<Placed> {
-    let Parameter { lower, upper, .. } = placed.effect.parameters()[index];
+fn moved_inside(placed: &Placed, index: usize, (lower, upper): (f64, f64)) -> Option<Placed> {
     if placed.effect.search(index) == Search::Instant {
         return None;
     }
@@ -64,7 +65,7 @@ fn moved_inside(placed: &Placed, index: usize) -> Option<Placed> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::effects::find;
+    use crate::effects::{Parameter, find};
 
     #[test]
     fn a_shape_at_a_bound_is_moved_inside() {
@@ -74,7 +75,11 @@ mod tests {
             placed
         };
         let Parameter { lower, upper, .. } = strut(0.5, 0.0).effect.parameters()[2];
-        let moved = |geometry: f64| moved_inside(&strut(geometry, 0.0), 2).map(|placed| placed.parameters[2]);
+        let inside = |placed: &Placed, index: usize| {
+            let Parameter { lower, upper, .. } = placed.effect.parameters()[index];
+            moved_inside(placed, index, (lower, upper))
+        };
+        let moved = |geometry: f64| inside(&strut(geometry, 0.0), 2).map(|placed| placed.parameters[2]);
         assert!(moved(lower).is_some_and(|geometry| geometry > lower && geometry < upper));
         assert!(moved(upper).is_some_and(|geometry| geometry > lower && geometry < upper));
         // On either side of the distance that counts as being there.
@@ -89,8 +94,8 @@ mod tests {
         // So is the beginning of a contact, at the first second of a log or later.
         let contact = Placed::typical(find("external_contact").unwrap(), 0);
         let instants = shapes(contact.effect);
-        assert!(instants.len() == 2 && instants.into_iter().all(|index| moved_inside(&contact, index).is_none()));
+        assert!(instants.len() == 2 && instants.into_iter().all(|index| inside(&contact, index).is_none()));
         // An angle of half a turn is one like any other.
-        assert!(moved_inside(&strut(0.5, std::f64::consts::PI), 3).is_none());
+        assert!(inside(&strut(0.5, std::f64::consts::PI), 3).is_none());
     }
 }

@@ -57,7 +57,12 @@ impl ArmModel<'_> {
                 let placed = std::slice::from_ref(placed);
                 let columns = data.columns(&self.arm, *log, placed, Moved::Modelled)?;
                 let mut own: Vec<Column> = columns.iter().flat_map(|group| group.iter().cloned()).collect();
-                own.extend(self.tangents(data, &member.candidate, &member.factors)?);
+                let shapes = shapes(placed[0].effect);
+                if shapes.iter().all(|index| member.fixed.contains(index)) {
+                    own.extend(shapes.iter().map(|_| Column::default()));
+                } else {
+                    own.extend(self.tangents(data, &member.candidate, &member.factors)?);
+                }
                 for (column, index) in own.iter_mut().zip(member.places()) {
                     if member.fixed.contains(&index) {
                         *column = Column::default();

@@ -8,6 +8,9 @@ use crate::effects::{Placed, Role};
 /// Share of a typical departure below which one acts in proportion to its size, and its column would be rounding.
 const SMALL: f64 = 0.1;
 
+/// Change of a parameter, in its standard deviations, from which a fit goes on.
+const CONVERGED: f64 = 0.1;
+
 /// An effect in the model, with what it takes there.
 ///
 /// ```
@@ -40,6 +43,8 @@ pub struct Member {
     pub factors: Vec<f64>,
     /// Whether its parameters are not estimated from the rows: it has no columns in the model.
     pub held: bool,
+    /// By how much the fit would move each shape, to first order; zero of those that stay.
+    pub shifts: Vec<f64>,
     /// Indices of parameters that the rows do not determine: they are held, amplitudes at zero, and their columns are zero.
     pub fixed: Vec<usize>,
 }
@@ -56,6 +61,21 @@ impl Member {
         linear(self.placed.effect)
             .into_iter()
             .any(|index| self.placed.parameters[index].abs() > significant * self.std[index])
+    }
+
+    /// Whether its amplitudes are what they were `before`, to within a part of their standard deviations.
+    pub(crate) fn has_converged(&self, before: &[f64]) -> bool {
+        let moved = |((now, before), place): ((&f64, &f64), &usize)| {
+            let std = self.std[*place];
+            !std.is_finite() || (now - before).abs() <= CONVERGED * std
+        };
+        self.factors.iter().zip(before).zip(&linear(self.placed.effect)).all(moved)
+    }
+
+    /// Whether a shape would move by more than a part of its standard deviation.
+    pub(crate) fn has_shift(&self) -> bool {
+        let mut shapes = shapes(self.placed.effect).into_iter().zip(&self.shifts);
+        shapes.any(|(index, shift)| self.std[index].is_finite() && shift.abs() > CONVERGED * self.std[index])
     }
 
     /// Takes the columns of departures at the sizes as estimated: what a large one does is not a multiple of what a small one does.
@@ -77,6 +97,7 @@ impl Member {
         Member {
             fixed: absent.filter(|(_, column)| column.parts.is_empty()).map(|(index, _)| index).collect(),
             std: vec![0.0; placed.parameters.len()],
+            shifts: vec![0.0; shapes(placed.effect).len()],
             factors: factors.to_vec(),
             candidate: candidate.clone(),
             placed,
@@ -110,6 +131,22 @@ mod tests {
         let mut member = Member::new(&candidate, &[7.0, 8.0]);
         member.take_departures_at_estimates();
         assert_eq!(member.candidate.placed.parameters, spring.parameters);
+    }
+
+    #[test]
+    fn shapes_that_stay_within_a_tenth_of_their_deviation_do_not_move() {
+        let placed = Placed::typical(find("stribeck_friction").unwrap(), 0);
+        let candidate = Candidate { placed, log: None, columns: Default::default() };
+        let mut member = Member::new(&candidate, &[]);
+        let index = shapes(member.placed.effect)[0];
+        member.std[index] = 0.01;
+        let mut has_shift = |shift: f64| {
+            member.shifts[0] = shift;
+            member.has_shift()
+        };
+        assert!(has_shift(-0.0011) && !has_shift(0.0009));
+        member.std[index] = f64::INFINITY;
+        assert!(!member.has_shift());
     }
 
     #[test]

@@ -162,12 +162,18 @@ impl<'a> Judge<'a> {
         Judgement::at_most(Gate::EveryJoint, factors.fold(1.0, f64::max), self.session.criteria.worse())
     }
 
-    /// Joints whose held-out residual grows from `before` to `after`, at the level [`Criteria::worse_p`] each.
+    /// Joints whose held-out residual grows from `before` to `after`, at the level [`Criteria::worse_p`] for all joints together: of six
+    /// that nothing changes but the errors of the estimates, one often grows by one standard deviation.
     fn growing_joints(&self, [before, after]: [&Column; 2]) -> impl Iterator<Item = usize> {
         let rows = &self.session.logs.test.rows;
-        let surely = self.session.criteria.levels.bound_std;
-        (0..rows.dof())
-            .filter(move |&joint| Gains::new(&self.on_held_out, before, after, &[joint], rows.len()).growth() > surely)
+        let level = self.session.criteria.worse_p() / rows.dof() as f64;
+        let growth_p =
+            move |joint: usize| Gains::new(&self.on_held_out, before, after, &[joint], rows.len()).growth_p();
+        (0..rows.dof()).filter(move |&joint| {
+            let growth_p = growth_p(joint);
+            tracing::debug!(joint, growth_p, level, "growth of the held-out residual");
+            growth_p < level
+        })
     }
 
     /// The joint that the model with the members at `kept` predicts worst over the baseline, if it is predicted worse.

@@ -114,7 +114,15 @@ fn named(
 ) -> Found {
     let placed = Placed { parameters: vec![play.half_gap], ..Placed::typical(effect, joint) };
     let candidate = Candidate { placed: placed.clone(), log: None, columns: Default::default() };
-    let member = Member { placed, std: vec![play.std], candidate, factors: Vec::new(), held: true, fixed: Vec::new() };
+    let member = Member {
+        placed,
+        std: vec![play.std],
+        candidate,
+        factors: Vec::new(),
+        shifts: Vec::new(),
+        held: true,
+        fixed: Vec::new(),
+    };
     let alternatives: Vec<Alternative> = rivals
         .iter()
         .map(|&joint| Alternative { family: Family { effect: effect.about().name, joint }, relative_likelihood: 1.0 })

@@ -4,7 +4,7 @@ use super::found::{Found, members};
 use crate::diagnosis::Options;
 use crate::diagnosis::evidence::Scan;
 use crate::diagnosis::model::{
-    ArmModel, Candidate, Member, PreparedLogs, Session, acts_upon_arm, all_candidates, carried_on, linear, renewed,
+    ArmModel, Candidate, Member, PreparedLogs, Session, acts_upon_arm, all_candidates, carried_on, renewed,
 };
 use crate::diagnosis::noise::Whitener;
 use crate::diagnosis::regression::Projection;
@@ -12,9 +12,6 @@ use crate::error::Result;
 
 /// Most fits of a model whose columns depend on the arm as found. Of a gain of 0.3 the first finds 0.23, the second 0.299.
 const ROUNDS: usize = 6;
-
-/// Change of an amplitude, in its standard deviations, from which these go on.
-const CONVERGED: f64 = 0.1;
 
 /// A round of a search.
 #[derive(Debug)]
@@ -102,7 +99,7 @@ pub(super) fn settled(session: &mut Session, found: &mut [Found]) -> Result<(Whi
     Ok((whitener, fit))
 }
 
-/// Fits what was `found` until the sizes of gears and sensors no longer change, with estimates written back, and returns the noise under
+/// Fits what was `found` until the sizes of gears and sensors and the shapes of laws no longer change, with estimates written back, and returns the noise under
 /// that; none where nothing that was found acts upon the arm. Their columns are those along the arm as found, which holds a part of what an
 /// effect does until that is in the model, and those of departures belong to one size. Bodies weigh under a gravity that is turned what no
 /// base parameter holds: that is fitted with it.
@@ -112,7 +109,8 @@ pub(super) fn settled(session: &mut Session, found: &mut [Found]) -> Result<(Whi
 pub(super) fn converged(session: &mut Session, found: &mut [Found], whitener: &Whitener) -> Result<Option<Whitener>> {
     let mut members = members(found);
     let unseen = session.unseen(&members);
-    if unseen.is_empty() && !members.iter().any(|member| !member.held && acts_upon_arm(member.placed.effect)) {
+    let may_move = |member: &Member| !member.held && (acts_upon_arm(member.placed.effect) || member.has_shift());
+    if unseen.is_empty() && !members.iter().any(may_move) {
         return Ok(None);
     }
     session.go_on_with(unseen.free_in(&session.logs));
@@ -120,7 +118,7 @@ pub(super) fn converged(session: &mut Session, found: &mut [Found], whitener: &W
         members.iter_mut().for_each(Member::take_departures_at_estimates);
         let before: Vec<Vec<f64>> = members.iter().map(|member| member.factors.clone()).collect();
         session.settle(&mut members, whitener)?;
-        if members.iter().zip(&before).all(|(member, before)| has_converged(member, before)) {
+        if members.iter().zip(&before).all(|(member, before)| member.has_converged(before)) {
             break;
         }
     }
@@ -129,17 +127,8 @@ pub(super) fn converged(session: &mut Session, found: &mut [Found], whitener: &W
         session.describe_change(&unseen.change(&solved.values));
         session.settle(&mut members, whitener)?;
     }
+    session.move_shapes(&mut members, whitener)?;
     let columns = session.model.columns(&session.logs.train, &members)?;
     found.iter_mut().zip(members).for_each(|(found, member)| found.member = member);
     Ok(Some(session.noise_under(&columns)))
-}
-
-/// Whether the amplitudes of a member are what they were `before`, to within a part of their standard deviations.
-fn has_converged(member: &Member, before: &[f64]) -> bool {
-    let places = linear(member.placed.effect);
-    let moved = |((now, before), place): ((&f64, &f64), &usize)| {
-        let std = member.std[*place];
-        !std.is_finite() || (now - before).abs() <= CONVERGED * std
-    };
-    member.factors.iter().zip(before).zip(&places).all(moved)
 }

@@ -30,6 +30,8 @@ const LOGGED: usize = 14;
 pub(crate) struct Selection {
     /// The effects found, in the order in which they were.
     pub found: Vec<Found>,
+    /// Whether it ended with as many as were asked for: more may act.
+    pub is_full: bool,
     /// The best candidates of rounds that failed a gate, and are not among them.
     pub rejected: Vec<Rejected>,
     /// The noise in the end.
@@ -160,6 +162,7 @@ pub(crate) fn select(session: &mut Session, options: &Options, watch: &mut Watch
             }
         }
     }
+    let is_full = found.len() >= options.max_findings;
     // Of what held-out logs cannot confirm, what is significant with all that was found in the model.
     faint.retain(|one| rejected.iter().all(|other| other.slot != one.slot));
     rejected.extend(faint);
@@ -183,7 +186,7 @@ pub(crate) fn select(session: &mut Session, options: &Options, watch: &mut Watch
     }
     let held_out = held_out_steps(session, &mut found, &whitener)?;
     let rejected = in_the_end(rejected, &found);
-    Ok(Selection { found, rejected, whitener, first_whitener, held_out, multiplicity, ranking, sensitivity })
+    Ok(Selection { found, is_full, rejected, whitener, first_whitener, held_out, multiplicity, ranking, sensitivity })
 }
 
 /// The next round, after one more effect was found: what was decided before it is decided again. Rows near the ends of an event are left

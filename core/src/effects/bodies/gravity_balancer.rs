@@ -20,7 +20,7 @@
 //! jerk through it, or whose pull is tens of times the torque that they make, and does not hold in other poses. A strut that pushes from half a turn away is nearly one that pulls.
 
 use crate::effects::{About, Effect, Hidden, Instant, Nature, Parameter, Rival, Role, Scope, Site};
-use crate::robot::{Robot, Unit};
+use crate::robot::{JointKind, Robot, Unit};
 
 /// (M + K (r - r0)) g sin(q - phi) / (2 r).
 ///
@@ -124,9 +124,9 @@ impl Effect for GravityBalancer {
         &PARAMETERS
     }
 
-    /// It balances gravity, which an axis that is vertical in every pose does not feel.
+    /// It balances gravity, which an axis that is vertical in every pose does not feel, and has a lever on a joint that turns.
     fn can_be_on(&self, joint: usize, robot: &Robot) -> bool {
-        robot.feels_gravity(joint)
+        robot.joints[joint].kind == JointKind::Revolute && robot.feels_gravity(joint)
     }
 
     /// The pull of a balancer is that of a link of another first moment.
@@ -166,6 +166,9 @@ mod tests {
     fn stands_where_there_is_something_to_balance() {
         let mut arm = pendulum();
         assert!(GravityBalancer.can_be_on(0, &arm));
+        arm.joints[0].kind = JointKind::Prismatic;
+        assert!(!GravityBalancer.can_be_on(0, &arm));
+        arm.joints[0].kind = JointKind::Revolute;
         arm.gravity = 9.81 * arm.joints[0].axis;
         assert!(!GravityBalancer.can_be_on(0, &arm));
     }

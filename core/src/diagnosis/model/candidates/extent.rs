@@ -6,6 +6,11 @@ use crate::effects::Extent;
 /// Distance that a joint moves at least, rad or m: one that stands still has no ripple to look for.
 const LEAST_RANGE: f64 = 1e-6;
 
+/// Share of the highest speed from which a joint moves, and of the samples in which it moves those that hold the highest harmonic of a
+/// ripple: the slowest quarter, which every start and stop passes.
+const MOVES: f64 = 0.05;
+const SLOWEST: f64 = 0.25;
+
 /// The extent of a joint, from its positions and speeds in all rows and its torque in the valid ones.
 pub(crate) fn extent(rows: &Rows, joint: usize) -> Extent {
     let speeds = rows.logs.iter().flat_map(|log| log.motion.qd.channel(joint));
@@ -14,8 +19,16 @@ pub(crate) fn extent(rows: &Rows, joint: usize) -> Extent {
     let torque = rows.torque[joint].iter().zip(&rows.valid[joint]);
     let begin = rows.logs.iter().filter_map(|log| log.time.first().copied()).fold(f64::INFINITY, f64::min);
     let end = rows.logs.iter().filter_map(|log| log.time.last().copied()).fold(0.0, f64::max);
+    let mut speeds: Vec<f64> = speeds.map(|v| v.abs()).collect();
+    let speed = speeds.iter().copied().fold(0.0, f64::max);
+    speeds.retain(|v| *v > MOVES * speed);
+    let slowest = (SLOWEST * speeds.len() as f64) as usize;
+    let slow = if speeds.is_empty() { 0.0 } else { *speeds.select_nth_unstable_by(slowest, f64::total_cmp).1 };
+    // A row is the mean of a block of samples.
+    let row_s = rows.logs.iter().map(|log| log.block as f64 * log.period).fold(0.0, f64::max);
     Extent {
-        speed: speeds.fold(0.0, |most, v| most.max(v.abs())),
+        speed,
+        harmonic: if slow > 0.0 && row_s > 0.0 { std::f64::consts::PI / (row_s * slow) } else { 0.0 },
         range: (high - low).max(LEAST_RANGE),
         torque: torque.fold(0.0f64, |most, (v, ok)| if *ok { most.max(v.abs()) } else { most }),
         time: [begin, end],

@@ -1,6 +1,7 @@
 //! The logs and the arm under diagnosis, and fits of the baseline with a few effects on top.
 
 mod changes;
+mod shapes;
 
 use crate::diagnosis::criteria::Criteria;
 use crate::diagnosis::model::arm_columns::Moved;
@@ -176,7 +177,9 @@ impl<'a> Session<'a> {
                     member.std[index] = if is_fixed { f64::INFINITY } else { solved.std(place) };
                 }
             }
-            for (index, place) in shapes(effect).into_iter().zip(block.shapes.clone()) {
+            for ((k, index), place) in shapes(effect).into_iter().enumerate().zip(block.shapes.clone()) {
+                let stays = member.fixed.contains(&index) || is_event(effect) || is_level(effect);
+                member.shifts[k] = if stays { 0.0 } else { solved.values[place] };
                 let fitted = member.candidate.placed.parameters[index];
                 let std = if member.fixed.contains(&index) { f64::INFINITY } else { solved.std(place) };
                 // The rows near the ends of an event are left out: where in them it begins is not determined.

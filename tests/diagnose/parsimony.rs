@@ -50,28 +50,18 @@ fn an_offset_larger_than_the_torque_of_a_wrist_is_an_offset() {
     assert!(matches!(named[..], [("torque_offset", WRIST, _)]), "{named:?}");
 }
 
-/// Friction carries no arm: its asymmetry is at most half of the torque of its joint, or of a tenth of what its drive can do.
+/// Hoses do not carry an arm: their torque is at most half of that of their joint, or of a tenth of what its drive can do.
 #[test]
-fn asymmetry_that_is_most_of_the_torque_of_an_idle_wrist_is_friction() {
-    let quiet = logs(&SETUP, 44, 1);
-    let size = 2.0 * rms(torques(&quiet));
-    let logs = logs(&with(&[hidden("friction_asymmetry", WRIST, &[size, 0.0])]), 44, 3);
-    assert!(size > 0.5 * rms(torques(&logs)), "{size}");
-    let limit = 20.0 * size;
-    let named = named_under(1.3 * limit, &logs, "friction_asymmetry");
-    assert!(matches!(named[..], [("friction_asymmetry", WRIST, _)]), "{named:?}");
-    assert!(named_under(0.7 * limit, &logs, "friction_asymmetry").is_empty());
-}
-
-/// A spring that relieves its motor holds more than the motor does.
-#[test]
-fn a_spring_that_is_more_than_half_of_the_torque_is_a_spring() {
+fn hoses_that_are_most_of_the_torque_of_an_idle_wrist_are_hoses() {
     let quiet = logs(&SETUP, 44, 1);
     let stiffness = 2.0 * rms(torques(&quiet)) / rms(positions(&quiet));
     let logs = logs(&with(&[hidden("joint_spring", WRIST, &[stiffness, 0.0])]), 44, 3);
-    assert!(stiffness * rms(positions(&logs)) > 0.5 * rms(torques(&logs)));
-    let named = named_under(1.0, &logs, "joint_spring");
+    let spring = stiffness * rms(positions(&logs));
+    assert!(spring > 0.5 * rms(torques(&logs)), "{spring}");
+    let limit = 20.0 * spring;
+    let named = named_under(1.3 * limit, &logs, "joint_spring");
     assert!(matches!(named[..], [("joint_spring", WRIST, _)]), "{named:?}");
+    assert!(named_under(0.7 * limit, &logs, "joint_spring").is_empty());
 }
 
 #[test]

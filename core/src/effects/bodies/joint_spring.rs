@@ -88,10 +88,9 @@ impl Effect for JointSpring {
         &PARAMETERS
     }
 
-    /// A spring that relieves a motor holds more than the motor does: up to twice as much. More is what a short range of motion makes of
-    /// another law.
+    /// Hoses and cables do not carry an arm: what does is a balancer.
     fn largest_share(&self) -> Option<f64> {
-        Some(2.0)
+        Some(0.5)
     }
 
     fn torque(&self, p: &[f64], joint: usize, x: &Instant, _: &[f64], out: &mut [f64]) {

@@ -86,8 +86,8 @@ mod tests {
     }
 
     #[test]
-    fn a_spring_may_hold_more_than_its_motor() {
-        assert!((1.0..=2.0).contains(&find("joint_spring").unwrap().largest_share().unwrap()));
+    fn hoses_do_not_carry_the_arm() {
+        assert!(find("joint_spring").unwrap().largest_share().unwrap() < 1.0);
         assert_eq!(find("gravity_balancer").unwrap().largest_share(), None);
     }
 

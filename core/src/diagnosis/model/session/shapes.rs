@@ -40,7 +40,7 @@ impl Session<'_> {
             for halving in 0..=HALVINGS {
                 let mut trial = self.shifted(members, 0.5f64.powi(halving))?;
                 let squares = self.amplitudes_at_shapes(&mut trial, whitener)?;
-                if squares < least {
+                if squares < least && members.iter().zip(&trial).all(|(before, after)| is_the_same_law(before, after)) {
                     better = Some((trial, squares));
                     break;
                 }
@@ -98,6 +98,11 @@ impl Session<'_> {
     }
 }
 
+/// Whether the only amplitude of a law has its sign still: a power of the speed below one and a negative one above bend alike, and are two laws.
+fn is_the_same_law(before: &Member, after: &Member) -> bool {
+    !matches!((&before.factors[..], &after.factors[..]), ([before], [after]) if before * after < 0.0)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -107,6 +112,19 @@ mod tests {
     use crate::identification::effect_model::{Arm, Trust};
     use crate::identification::model::Model;
     use crate::robot::{InertiaCheck, load};
+
+    #[test]
+    fn a_law_of_one_amplitude_keeps_its_sign() {
+        let of = |effect: &str, factors: &[f64]| {
+            let placed = Placed::typical(find(effect).unwrap(), 0);
+            Member::new(&Candidate { placed, log: None, columns: Default::default() }, factors)
+        };
+        let power = |coefficient: f64| of("nonlinear_viscous_friction", &[coefficient]);
+        assert!(is_the_same_law(&power(3.0), &power(0.1)) && !is_the_same_law(&power(3.0), &power(-4.0)));
+        // The phase of a ripple turns with its order.
+        let ripple = |cosine: f64| of("torque_ripple", &[cosine, 1.0]);
+        assert!(is_the_same_law(&ripple(3.0), &ripple(-3.0)));
+    }
 
     /// A strut of 434 N m and 1695 N m was reported with 6690 N m and 4680 N m: its amplitudes were those of shapes that did not move.
     #[test]

@@ -50,8 +50,6 @@ const LEAST_SIZE: f64 = 1e-3;
 pub(crate) struct Extent {
     /// Highest speed, rad/s or m/s.
     pub speed: f64,
-    /// Highest number of periods per turn that the rows hold where the joint moves slowly: half a period from row to row.
-    pub harmonic: f64,
     /// Distance between its farthest positions, rad or m.
     pub range: f64,
     /// Largest torque, N m or N.
@@ -61,8 +59,8 @@ pub(crate) struct Extent {
 }
 
 impl Extent {
-    /// Every combination of the values at which the law is looked for on a joint.
-    pub(crate) fn grid(&self, effect: &'static dyn Effect, joint: usize) -> Vec<Placed> {
+    /// Every combination of the values at which the law is looked for on a joint whose rows hold up to a `harmonic` of its turn.
+    pub(crate) fn grid(&self, effect: &'static dyn Effect, joint: usize, harmonic: f64) -> Vec<Placed> {
         let typical = Placed::typical(effect, joint);
         let parameters = effect.parameters();
         if parameters.iter().enumerate().any(|(index, _)| effect.search(index) == Search::Instant) {
@@ -75,7 +73,7 @@ impl Extent {
                 Role::Amplitude | Role::Held => continue,
                 Role::Departure => self.departures(effect, index),
                 Role::Shape => {
-                    let values = self.shapes(effect, index, alone);
+                    let values = self.shapes(effect, index, alone, harmonic);
                     values.into_iter().map(|value| self.within_bounds(effect, index, value)).collect()
                 }
             };
@@ -125,12 +123,12 @@ impl Extent {
         }
     }
 
-    fn shapes(&self, effect: &dyn Effect, index: usize, alone: bool) -> Vec<f64> {
+    fn shapes(&self, effect: &dyn Effect, index: usize, alone: bool, harmonic: f64) -> Vec<f64> {
         let parameter = &effect.parameters()[index];
         let (low, high) = self.bounds(effect, index);
         if effect.search(index) == Search::PerTurn {
             let step = (std::f64::consts::PI / (2.0 * self.range)).max(HARMONIC_STEP);
-            let highest = self.harmonic.clamp(ALWAYS_HARMONIC, HIGHEST_HARMONIC);
+            let highest = harmonic.clamp(ALWAYS_HARMONIC, HIGHEST_HARMONIC);
             let count = ((highest - low) / step) as usize;
             return (0..=count).map(|k| low + k as f64 * step).collect();
         }
@@ -165,6 +163,17 @@ impl Extent {
             true => 1.0 + APART,
             false => value,
         }
+    }
+
+    /// A shape moved `from` a value within its bounds. A power of speed stays on its side of one: below one a positive coefficient bends
+    /// as a negative one above, and the laws are two.
+    pub(crate) fn moved_within_bounds(&self, effect: &dyn Effect, index: usize, from: f64, wanted: f64) -> f64 {
+        let wanted = match effect.search(index) {
+            Search::PowerOfSpeed if from < 1.0 => wanted.min(1.0 - APART),
+            Search::PowerOfSpeed => wanted.max(1.0 + APART),
+            _ => wanted,
+        };
+        self.within_bounds(effect, index, wanted)
     }
 
     /// What happens once, for a few lengths, at any time of the longest log.
@@ -207,7 +216,7 @@ mod tests {
     use super::*;
 
     fn extent() -> Extent {
-        Extent { speed: 2.0, harmonic: 0.0, range: 3.0, torque: 50.0, time: [100.0, 120.0] }
+        Extent { speed: 2.0, range: 3.0, torque: 50.0, time: [100.0, 120.0] }
     }
 
     #[test]
@@ -231,19 +240,23 @@ mod tests {
         let index = power.parameters().iter().position(|parameter| parameter.name == "exponent").unwrap();
         let of = |exponent: f64| extent().within_bounds(power, index, exponent);
         assert_eq!([of(0.9), of(1.1), of(0.5), of(2.0)], [0.7, 1.3, 0.5, 2.0]);
+        // Moved, it stays on its side of one.
+        let moved = |from: f64, to: f64| extent().moved_within_bounds(power, index, from, to);
+        assert_eq!([moved(0.6, 1.9), moved(0.6, 0.5), moved(1.9, 0.6), moved(1.9, 2.0)], [0.7, 0.5, 1.3, 2.0]);
+        assert_eq!(extent().moved_within_bounds(stribeck, 1, 0.1, 0.2), 0.2);
     }
 
     #[test]
     fn ripples_are_looked_for_up_to_what_slow_motions_show() {
         let ripple = find("torque_ripple").unwrap();
         let highest = |harmonic: f64| {
-            let grid = Extent { harmonic, ..extent() }.grid(ripple, 0);
+            let grid = extent().grid(ripple, 0, harmonic);
             grid.last().unwrap().parameters[2]
         };
         // The step is pi / (2 * 3 rad).
         let step = std::f64::consts::PI / 6.0;
         // One and a half periods over 3 rad.
-        assert!((extent().grid(ripple, 0)[0].parameters[2] - std::f64::consts::PI).abs() < 1e-12);
+        assert!((extent().grid(ripple, 0, 0.0)[0].parameters[2] - std::f64::consts::PI).abs() < 1e-12);
         for (resolved, expected) in [(0.0, 60.0), (100.0, 100.0), (1e9, 330.0)] {
             assert!((expected - step..=expected).contains(&highest(resolved)), "{resolved}: {}", highest(resolved));
         }
@@ -252,13 +265,13 @@ mod tests {
     #[test]
     fn torque_is_cut_off_near_its_largest() {
         let levels: Vec<f64> =
-            extent().grid(find("torque_saturation").unwrap(), 0).iter().map(|p| p.parameters[0]).collect();
+            extent().grid(find("torque_saturation").unwrap(), 0, 0.0).iter().map(|p| p.parameters[0]).collect();
         assert!(levels.len() == CUT_OFF.len() && levels.iter().all(|level| (35.0..50.0).contains(level)), "{levels:?}");
     }
 
     #[test]
     fn events_lie_in_the_logs() {
-        let contacts = extent().grid(find("external_contact").unwrap(), 0);
+        let contacts = extent().grid(find("external_contact").unwrap(), 0, 0.0);
         assert!(contacts.len() > 20);
         for contact in contacts {
             let [from, to] = contact.effect.acts_between(&contact.parameters);
@@ -269,7 +282,7 @@ mod tests {
     #[test]
     fn every_law_is_looked_for_within_its_bounds() {
         for &effect in LIBRARY {
-            let grid = extent().grid(effect, 0);
+            let grid = extent().grid(effect, 0, 0.0);
             assert!(!grid.is_empty(), "{}", effect.about().name);
             for placed in grid {
                 let bounds = effect.parameters().iter().zip(&placed.parameters);

@@ -7,7 +7,7 @@
 
 use super::elimination::with_scatter;
 use crate::diagnosis::criteria::Levels;
-use crate::diagnosis::model::{Candidate, Member, Moved, Session, is_level, linear, shapes};
+use crate::diagnosis::model::{Candidate, Member, Session, is_level, linear, shapes};
 use crate::diagnosis::noise::Whitener;
 use crate::diagnosis::regression::Column;
 use crate::diagnosis::search::{Found, members};
@@ -68,16 +68,13 @@ fn at_typical(
     }
     let mut placed = candidate.placed.clone();
     placed.parameters[index] = effect.parameters()[index].typical;
-    let arm = &session.model.arm;
-    let Some(columns) = train.columns(arm, candidate.log, std::slice::from_ref(&placed), Moved::Tested)?.pop() else {
-        return Ok(None);
-    };
+    let Some(typical) = session.candidate_at(placed, &members[place])? else { return Ok(None) };
     let others: Vec<Member> =
         members.iter().enumerate().filter(|(k, _)| *k != place).map(|(_, member)| member.clone()).collect();
     let fit = whitener.fit(&session.model.columns(train, &others)?, &train.torque);
     let explained = |columns: &[Column]| fit.test(&whitener.apply_all(columns)).map_or(0.0, |test| test.statistic);
-    let lost = explained(&candidate.columns) - explained(&columns);
-    Ok((lost <= session.criteria.at_bound()).then_some(Candidate { placed, log: candidate.log, columns }))
+    let lost = explained(&candidate.columns) - explained(&typical.columns);
+    Ok((lost <= session.criteria.at_bound()).then_some(typical))
 }
 
 /// The amplitude of a sign that cannot be with these values of all parameters, the surest first. One amplitude must stay, and what a change

@@ -99,10 +99,10 @@ pub(super) fn settled(session: &mut Session, found: &mut [Found]) -> Result<(Whi
     Ok((whitener, fit))
 }
 
-/// Fits what was `found` until the sizes of gears and sensors and the shapes of laws no longer change, with estimates written back, and returns the noise under
-/// that; none where nothing that was found acts upon the arm. Their columns are those along the arm as found, which holds a part of what an
-/// effect does until that is in the model, and those of departures belong to one size. Bodies weigh under a gravity that is turned what no
-/// base parameter holds: that is fitted with it.
+/// Fits what was `found` until the sizes of gears and sensors and the shapes of laws no longer change, with estimates written back, and
+/// returns the noise under that; None where nothing acts upon the arm and no shape moves. Columns of what acts upon the arm are those along
+/// the arm as found, which holds a part of what an effect does until that is in the model, and those of departures belong to one size.
+/// Bodies weigh under a gravity that is turned what no base parameter holds: that is fitted with it.
 ///
 /// # Errors
 /// If a log is too short to differentiate.

@@ -19,18 +19,24 @@ pub(crate) fn extent(rows: &Rows, joint: usize) -> Extent {
     let torque = rows.torque[joint].iter().zip(&rows.valid[joint]);
     let begin = rows.logs.iter().filter_map(|log| log.time.first().copied()).fold(f64::INFINITY, f64::min);
     let end = rows.logs.iter().filter_map(|log| log.time.last().copied()).fold(0.0, f64::max);
-    let mut speeds: Vec<f64> = speeds.map(|v| v.abs()).collect();
-    let speed = speeds.iter().copied().fold(0.0, f64::max);
-    speeds.retain(|v| *v > MOVES * speed);
-    let slowest = (SLOWEST * speeds.len() as f64) as usize;
-    let slow = if speeds.is_empty() { 0.0 } else { *speeds.select_nth_unstable_by(slowest, f64::total_cmp).1 };
-    // A row is the mean of a block of samples.
-    let row_s = rows.logs.iter().map(|log| log.block as f64 * log.period).fold(0.0, f64::max);
     Extent {
-        speed,
-        harmonic: if slow > 0.0 && row_s > 0.0 { std::f64::consts::PI / (row_s * slow) } else { 0.0 },
+        speed: speeds.fold(0.0, |most, v| most.max(v.abs())),
         range: (high - low).max(LEAST_RANGE),
         torque: torque.fold(0.0f64, |most, (v, ok)| if *ok { most.max(v.abs()) } else { most }),
         time: [begin, end],
     }
+}
+
+/// Highest number of periods per turn of a joint that the rows hold where it moves slowly: half a period from row to row. Zero of one that
+/// stands still.
+pub(super) fn highest_harmonic(rows: &Rows, joint: usize) -> f64 {
+    let speeds = rows.logs.iter().flat_map(|log| log.motion.qd.channel(joint));
+    let mut speeds: Vec<f64> = speeds.map(|v| v.abs()).collect();
+    let top = speeds.iter().copied().fold(0.0, f64::max);
+    speeds.retain(|v| *v > MOVES * top);
+    let slowest = (SLOWEST * speeds.len() as f64) as usize;
+    let slow = if speeds.is_empty() { 0.0 } else { *speeds.select_nth_unstable_by(slowest, f64::total_cmp).1 };
+    // A row is the mean of a block of samples.
+    let row_s = rows.logs.iter().map(|log| log.block as f64 * log.period).fold(0.0, f64::max);
+    if slow > 0.0 && row_s > 0.0 { std::f64::consts::PI / (row_s * slow) } else { 0.0 }
 }

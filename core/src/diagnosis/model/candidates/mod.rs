@@ -8,6 +8,7 @@
 mod extent;
 
 pub(crate) use extent::extent;
+use extent::highest_harmonic;
 
 use super::arm_columns::Moved;
 use super::roles::{acts_upon_arm, is_event, linear};
@@ -245,12 +246,11 @@ fn wanted(rows: &Rows, trust: Trust, only: &[String]) -> impl Iterator<Item = &'
 
 /// Candidates of `effects` at all places, acting in all logs.
 fn throughout(arm: &Arm, rows: &Rows, effects: impl Iterator<Item = &'static dyn Effect>) -> Result<Vec<Candidate>> {
-    let extents: Vec<Extent> = (0..rows.dof()).map(|joint| extent(rows, joint)).collect();
-    let at = &extents;
+    let of = |joint: usize| (extent(rows, joint), highest_harmonic(rows, joint));
+    let extents: Vec<(Extent, f64)> = (0..rows.dof()).map(of).collect();
+    let grid = |effect: &'static dyn Effect, joint: usize| extents[joint].0.grid(effect, joint, extents[joint].1);
     let placed: Vec<Placed> = effects
-        .flat_map(|effect| {
-            places(effect, arm.described()).into_iter().flat_map(move |joint| at[joint].grid(effect, joint))
-        })
+        .flat_map(|effect| places(effect, arm.described()).into_iter().flat_map(move |joint| grid(effect, joint)))
         .collect();
     let groups = columns(arm, rows, &placed)?;
     let candidates = placed.into_iter().zip(groups).map(|(placed, columns)| Candidate {

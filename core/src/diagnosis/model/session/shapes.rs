@@ -7,12 +7,12 @@
 
 use super::Session;
 use crate::diagnosis::model::arm_columns::Moved;
-use crate::diagnosis::model::candidates::extent;
+use crate::diagnosis::model::candidates::{Candidate, extent};
 use crate::diagnosis::model::member::Member;
-use crate::diagnosis::model::roles::shapes;
+use crate::diagnosis::model::roles::{linear, shapes};
 use crate::diagnosis::noise::Whitener;
 use crate::diagnosis::regression::Column;
-use crate::effects::moved;
+use crate::effects::{Placed, moved};
 use crate::error::Result;
 use std::sync::Arc;
 
@@ -25,22 +25,21 @@ const LONGEST: f64 = 0.25;
 
 impl Session<'_> {
     /// Moves the shapes of settled `members` until they are where the residual of the training rows is least, to a part of their standard
-    /// deviations, and settles the members there.
+    /// deviations, and settles the members after every step.
     ///
     /// # Errors
     /// If a log is too short to differentiate.
     pub(crate) fn move_shapes(&mut self, members: &mut Vec<Member>, whitener: &Whitener) -> Result<()> {
         for _ in 0..STEPS {
-            let least = self.amplitudes_at_shapes(members, whitener)?;
-            self.settle(members, whitener)?;
             if !members.iter().any(Member::has_shift) {
                 break;
             }
+            let least = self.amplitudes_at_shapes(&mut members.clone(), whitener)?;
             let mut better = None;
             for halving in 0..=HALVINGS {
                 let mut trial = self.shifted(members, 0.5f64.powi(halving))?;
                 let squares = self.amplitudes_at_shapes(&mut trial, whitener)?;
-                if squares < least && members.iter().zip(&trial).all(|(before, after)| is_the_same_law(before, after)) {
+                if squares < least {
                     better = Some((trial, squares));
                     break;
                 }
@@ -48,6 +47,7 @@ impl Session<'_> {
             let Some((trial, squares)) = better else { break };
             tracing::debug!(least, squares, "shapes moved");
             *members = trial;
+            self.settle(members, whitener)?;
         }
         Ok(())
     }
@@ -58,28 +58,39 @@ impl Session<'_> {
         for member in all.iter_mut().filter(|member| member.has_shift()) {
             let effect = member.placed.effect;
             let extent = extent(&self.logs.train.rows, member.placed.joint);
-            let (shapes, shifts) = (shapes(effect), member.shifts.clone());
-            let parameters = &mut member.candidate.placed.parameters;
+            let shapes = shapes(effect);
+            let mut placed = member.candidate.placed.clone();
             let longest = |index: usize, value: f64| (moved(effect, index, value, LONGEST) - value).abs();
-            let steps =
-                shapes.iter().zip(&shifts).map(|(&index, shift)| longest(index, parameters[index]) / shift.abs());
+            let steps = shapes.iter().zip(&member.shifts);
+            let steps = steps.map(|(&index, shift)| longest(index, placed.parameters[index]) / shift.abs());
             let share = share * steps.fold(1.0, f64::min);
-            for (&index, shift) in shapes.iter().zip(&shifts) {
-                let value = extent.within_bounds(effect, index, parameters[index] + share * shift);
-                (parameters[index], member.placed.parameters[index]) = (value, value);
+            for (&index, shift) in shapes.iter().zip(&member.shifts) {
+                let from = placed.parameters[index];
+                let value = extent.moved_within_bounds(effect, index, from, from + share * shift);
+                (placed.parameters[index], member.placed.parameters[index]) = (value, value);
             }
-            let placed = std::slice::from_ref(&member.candidate.placed);
-            let columns = self.logs.train.columns(&self.model.arm, member.candidate.log, placed, Moved::Tested)?;
-            if let Some(mut columns) = columns.into_iter().next() {
-                for (k, index) in member.places().take(columns.len()).enumerate() {
-                    if member.fixed.contains(&index) {
-                        Arc::make_mut(&mut columns)[k] = Column::default();
-                    }
-                }
-                member.candidate.columns = columns;
+            if let Some(candidate) = self.candidate_at(placed, member)? {
+                member.candidate = candidate;
             }
         }
         Ok(all)
+    }
+
+    /// The candidate of a member with other values of its shapes; None where it has no torque.
+    ///
+    /// # Errors
+    /// If a log is too short to differentiate.
+    pub(crate) fn candidate_at(&self, placed: Placed, member: &Member) -> Result<Option<Candidate>> {
+        let log = member.candidate.log;
+        let columns = self.logs.train.columns(&self.model.arm, log, std::slice::from_ref(&placed), Moved::Tested)?;
+        Ok(columns.into_iter().next().map(|mut columns| {
+            for (k, index) in linear(placed.effect).into_iter().enumerate().take(columns.len()) {
+                if member.fixed.contains(&index) {
+                    Arc::make_mut(&mut columns)[k] = Column::default();
+                }
+            }
+            Candidate { placed, log, columns }
+        }))
     }
 
     /// Takes the amplitudes of `members` that fit best with their shapes as they are; returns the whitened sum of squares of the training
@@ -98,33 +109,15 @@ impl Session<'_> {
     }
 }
 
-/// Whether the only amplitude of a law has its sign still: a power of the speed below one and a negative one above bend alike, and are two laws.
-fn is_the_same_law(before: &Member, after: &Member) -> bool {
-    !matches!((&before.factors[..], &after.factors[..]), ([before], [after]) if before * after < 0.0)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::diagnosis::model::candidates::{Candidate, columns};
+    use crate::diagnosis::model::candidates::columns;
     use crate::diagnosis::test_logs::log;
-    use crate::effects::{Placed, find};
+    use crate::effects::find;
     use crate::identification::effect_model::{Arm, Trust};
     use crate::identification::model::Model;
     use crate::robot::{InertiaCheck, load};
-
-    #[test]
-    fn a_law_of_one_amplitude_keeps_its_sign() {
-        let of = |effect: &str, factors: &[f64]| {
-            let placed = Placed::typical(find(effect).unwrap(), 0);
-            Member::new(&Candidate { placed, log: None, columns: Default::default() }, factors)
-        };
-        let power = |coefficient: f64| of("nonlinear_viscous_friction", &[coefficient]);
-        assert!(is_the_same_law(&power(3.0), &power(0.1)) && !is_the_same_law(&power(3.0), &power(-4.0)));
-        // The phase of a ripple turns with its order.
-        let ripple = |cosine: f64| of("torque_ripple", &[cosine, 1.0]);
-        assert!(is_the_same_law(&ripple(3.0), &ripple(-3.0)));
-    }
 
     /// A strut of 434 N m and 1695 N m was reported with 6690 N m and 4680 N m: its amplitudes were those of shapes that did not move.
     #[test]
@@ -152,6 +145,7 @@ mod tests {
         let mut members = vec![Member::new(&candidate, &[700.0, 600.0])];
         let present = session.model.columns(&session.logs.train, &members).unwrap();
         let whitener = session.noise_under(&present);
+        session.settle(&mut members, &whitener).unwrap();
         session.move_shapes(&mut members, &whitener).unwrap();
         let Member { placed, std, .. } = &members[0];
         for ((found, std), truth) in placed.parameters.iter().zip(std).zip([moment, stiffness, geometry, angle]) {

@@ -36,6 +36,10 @@ const ALWAYS_HARMONIC: f64 = 60.0;
 const HIGHEST_HARMONIC: f64 = 330.0;
 const HARMONIC_STEP: f64 = 0.4;
 
+/// Factor on the step above the first of these: half the distance of independent harmonics, at which a scan sees at least 81 % of the
+/// statistic (the square of the sine cardinal of a quarter), and the refinement the rest.
+const COARSER: f64 = 2.0;
+
 /// Least number of periods over a joint's range: fewer are any bend over the position.
 const LEAST_PERIODS: f64 = 1.5;
 
@@ -56,6 +60,10 @@ pub(crate) struct Extent {
     pub torque: f64,
     /// First and last instant of all logs by their clocks, s.
     pub time: [f64; 2],
+    /// Duration of the longest log, s; of all of them together where their clocks run on from one to the next.
+    pub duration: f64,
+    /// Whether they do: no two logs share an instant, and less time passes between them than in them.
+    pub runs_on: bool,
 }
 
 impl Extent {
@@ -70,6 +78,9 @@ impl Extent {
         let mut all = vec![typical];
         for (index, parameter) in parameters.iter().enumerate() {
             let values = match parameter.role {
+                Role::Held if self.runs_on && effect.search(index) == Search::ClockStart => {
+                    vec![parameter.typical, self.time[0]]
+                }
                 Role::Amplitude | Role::Held => continue,
                 Role::Departure => self.departures(effect, index),
                 Role::Shape => {
@@ -128,9 +139,12 @@ impl Extent {
         let (low, high) = self.bounds(effect, index);
         if effect.search(index) == Search::PerTurn {
             let step = (std::f64::consts::PI / (2.0 * self.range)).max(HARMONIC_STEP);
-            let highest = harmonic.clamp(ALWAYS_HARMONIC, HIGHEST_HARMONIC);
-            let count = ((highest - low) / step) as usize;
-            return (0..=count).map(|k| low + k as f64 * step).collect();
+            let upwards = |from: f64, step: f64| (0..).map(move |k| from + f64::from(k) * step);
+            let always = upwards(low, step).take_while(|order| *order <= ALWAYS_HARMONIC);
+            let coarse = COARSER * step;
+            let highest = harmonic.min(HIGHEST_HARMONIC);
+            let higher = upwards(low.max(ALWAYS_HARMONIC) + coarse, coarse).take_while(|order| *order <= highest);
+            return always.chain(higher).collect();
         }
         let points = if alone { ALONE } else { ONE_OF_SEVERAL };
         if varies_by_factors(low, high) {
@@ -146,7 +160,7 @@ impl Extent {
         let (low, high) = self.bounds_of_law(effect, index);
         let (least, most) = match effect.search(index) {
             Search::LowSpeed => (0.0, LOW_SPEED * self.speed),
-            Search::TimeConstant => (SHORTEST_DRIFT * self.time[1], LONGEST_DRIFT * self.time[1]),
+            Search::TimeConstant => (SHORTEST_DRIFT * self.duration, LONGEST_DRIFT * self.duration),
             _ => (low, high),
         };
         let least = low.max(least).min(high);
@@ -216,7 +230,7 @@ mod tests {
     use super::*;
 
     fn extent() -> Extent {
-        Extent { speed: 2.0, range: 3.0, torque: 50.0, time: [100.0, 120.0] }
+        Extent { speed: 2.0, range: 3.0, torque: 50.0, time: [100.0, 120.0], duration: 20.0, runs_on: false }
     }
 
     #[test]
@@ -258,8 +272,31 @@ mod tests {
         // One and a half periods over 3 rad.
         assert!((extent().grid(ripple, 0, 0.0)[0].parameters[2] - std::f64::consts::PI).abs() < 1e-12);
         for (resolved, expected) in [(0.0, 60.0), (100.0, 100.0), (1e9, 330.0)] {
-            assert!((expected - step..=expected).contains(&highest(resolved)), "{resolved}: {}", highest(resolved));
+            assert!(
+                (expected - 2.0 * step..=expected).contains(&highest(resolved)),
+                "{resolved}: {}",
+                highest(resolved)
+            );
         }
+    }
+
+    #[test]
+    fn a_law_that_counts_time_may_count_from_the_first_log_where_clocks_run_on() {
+        let warm_up = find("friction_warm_up").unwrap();
+        let starts = |runs_on: bool| {
+            let mut starts: Vec<f64> = Extent { runs_on, ..extent() }
+                .grid(warm_up, 0, 0.0)
+                .iter()
+                .map(|placed| placed.parameters[2])
+                .collect();
+            starts.dedup();
+            starts
+        };
+        assert_eq!((starts(false), starts(true).first().copied()), (vec![-1.0], Some(-1.0)));
+        assert!(starts(true).contains(&100.0));
+        // A tenth of the log to three times the log, whatever its clock says.
+        let bounds = [0.1, 1e3].map(|time| extent().within_bounds(warm_up, 1, time));
+        assert_eq!(bounds, [2.0, 60.0]);
     }
 
     #[test]

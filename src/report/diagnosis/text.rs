@@ -2,8 +2,8 @@
 
 use super::gravity;
 use crate::diagnosis::{
-    Consequence, DataFault, Diagnosis, EXTENDED_SCENARIO, Family, Finding, Found, JointMap, LOGS_DISAGREE, Levels,
-    Minor, NamedParameter, Part, Play, ResidualMap, Resimulation, Share, Verdict,
+    Consequence, DataFault, Diagnosis, EXTENDED_SCENARIO, Family, Finding, Found, Gate, JointMap, LOGS_DISAGREE,
+    Levels, Minor, NamedParameter, Part, Play, ResidualMap, Resimulation, Share, Verdict,
 };
 use crate::effects;
 use crate::error::Error;
@@ -249,14 +249,21 @@ fn of_guessed(robot: &Robot, family: Family) -> Option<String> {
     ))
 }
 
-/// "- Not reported: 3 smaller effects, together 0.3 N m on joint_2: .. (diagnosis.json lists all)."
+/// "- Not reported: 3 smaller effects, together 0.3 N m on joint_2: .. (diagnosis.json lists all)."; without "smaller" where one is refused
+/// for another reason than its size.
 fn smaller(robot: &Robot, diagnosis: &Diagnosis) -> Option<String> {
     let count = diagnosis.minor.len();
     let all: Vec<f64> = (0..robot.dof())
         .map(|joint| diagnosis.minor.iter().map(|minor| minor.size[joint].powi(2)).sum::<f64>().sqrt())
         .collect();
     let joint = (0..all.len()).max_by(|&a, &b| all[a].total_cmp(&all[b])).filter(|_| count > 0)?;
-    let effects = if count == 1 { "effect" } else { "effects" };
+    let is_small = diagnosis.minor.iter().all(|minor| minor.failed.gate == Gate::Size);
+    let effects = match (is_small, count) {
+        (true, 1) => "smaller effect",
+        (true, _) => "smaller effects",
+        (false, 1) => "effect",
+        (false, _) => "effects",
+    };
     let names: Vec<String> = diagnosis
         .minor
         .iter()
@@ -268,7 +275,7 @@ fn smaller(robot: &Robot, diagnosis: &Diagnosis) -> Option<String> {
         .collect();
     let size = effort(&robot.joints[joint], all[joint]);
     Some(format!(
-        "- Not reported: {count} smaller {effects}, together {size} on {}: {} (diagnosis.json lists all).",
+        "- Not reported: {count} {effects}, together {size} on {}: {} (diagnosis.json lists all).",
         robot.joints[joint].name,
         names.join("; ")
     ))

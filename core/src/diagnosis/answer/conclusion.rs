@@ -3,7 +3,7 @@
 use super::diagnosis::{self, Diagnosis, Errors, LogSummary, OfSampling, Scope, withdraw};
 use super::extended::ExtendedModel;
 use super::inertias::{self, Free, Gain, all_inertias};
-use super::not_found::not_found;
+use super::not_found::{not_found, refused};
 use super::notices::{Sizes, next_experiment};
 use super::outcome::{Conclusion, Measured};
 use super::quantities::{Evidence, Residuals, derived, residual_structure};
@@ -321,12 +321,13 @@ fn answer<'a>(
         equations: (0..session.model.base.dof()).map(|joint| session.model.base.has_equation(joint)).collect(),
         held_out_from_training,
     };
+    let refused = refused(&minor, &rejected);
     let diagnosis = Diagnosis {
         verdict: diagnosis::verdict(&found, inertias.is_some(), &unexplained),
         scope,
         logs,
         errors,
-        not_found: not_found(&session, &found, &multiplicity, &sensitivity, options),
+        not_found: not_found(&session, (&found, &refused), &multiplicity, &sensitivity, options),
         before,
         found,
         derived,

@@ -1,9 +1,11 @@
 //! What was looked for and not found, with the size that would have been.
 
 use crate::diagnosis::Options;
+use crate::diagnosis::criteria::Gate;
 use crate::diagnosis::evidence::Multiplicity;
 use crate::diagnosis::model::{Family, Session, is_candidate, is_wanted, places};
-use crate::diagnosis::search::{Alternative, Found};
+use crate::diagnosis::relevance::Minor;
+use crate::diagnosis::search::{Alternative, Found, Rejected};
 use crate::effects::{LIBRARY, Parameter, Placed};
 use statrs::distribution::{ContinuousCDF, Normal};
 use std::collections::BTreeMap;
@@ -35,17 +37,24 @@ pub struct NotFound {
     /// What and where.
     pub family: Family,
     /// The smallest value of its first parameter that would have been found with a probability of 80 %; None where the
-    /// logs do not separate it from the baseline.
+    /// logs do not separate it from the baseline, and where it was seen and refused.
     pub minimum_detectable: Option<f64>,
     /// Unit of that.
     pub unit: &'static str,
 }
 
-/// Everything that was looked for and is not among `found`, with the size it would have needed. `multiplicity` holds the
-/// number of independent tests, `sensitivity` the standard deviation of every family's first parameter.
+/// What was significant and is not reported: that the logs show it does not mean that it would have been found.
+pub(super) fn refused(minor: &[Minor], rejected: &[Rejected]) -> Vec<Family> {
+    let significant = rejected.iter().filter(|one| one.failed.gate != Gate::FamilyWise);
+    let minor = minor.iter().map(|minor| minor.found.member.candidate.family());
+    minor.chain(significant.map(|one| one.slot.0)).collect()
+}
+
+/// Everything that was looked for and is not among `found`, with the size it would have needed, unless it was `refused`. `multiplicity`
+/// holds the number of independent tests, `sensitivity` the standard deviation of every family's first parameter.
 pub(super) fn not_found(
     session: &Session,
-    found: &[Found],
+    (found, refused): (&[Found], &[Family]),
     multiplicity: &Multiplicity,
     sensitivity: &BTreeMap<Family, (usize, f64)>,
     options: &Options,
@@ -86,9 +95,26 @@ pub(super) fn not_found(
             // What no arm can have, no log can show.
             let sizes = 0.0..=upper.max(-lower);
             let minimum_detectable = seen
+                .filter(|_| !refused.contains(&family))
                 .map(|(_, std)| (factor(family.effect) * std).max(effect.least_size(position_noise(family.joint))))
                 .filter(|size| *size > 0.0 && size.is_finite() && sizes.contains(size));
             NotFound { family, minimum_detectable, unit }
         })
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnosis::criteria::Judgement;
+
+    #[test]
+    fn what_was_significant_and_refused_has_no_least_size() {
+        let rejected = |effect: &'static str, gate: Gate| Rejected {
+            slot: (Family { effect, joint: 1 }, None),
+            failed: Judgement::at_most(gate, 1.0, 0.5),
+        };
+        let all = [rejected("joint_spring", Gate::FamilyWise), rejected("stribeck_friction", Gate::EveryJoint)];
+        assert_eq!(refused(&[], &all), [Family { effect: "stribeck_friction", joint: 1 }]);
+    }
 }

@@ -6,7 +6,7 @@
 use crate::effects::{About, Effect, Hidden, Instant, Nature, Parameter, Rival, Role, Scope, Search, Site};
 use crate::robot::Unit;
 
-/// A exp(-t/T) sign(v), t counted from the start of the recording.
+/// A exp(-t/T) sign(v), t counted from the start of every log, or from an instant `t0` of a clock that runs on from log to log.
 ///
 /// ```
 /// # extern crate tauscope_core as tauscope;
@@ -23,7 +23,7 @@ use crate::robot::Unit;
 /// for (t, expected) in [(0.0, 40.0), (5.0, 40.0 / std::f64::consts::E)] {
 ///     let moving = Instant { t, qd: &[0.5], direction: &[1.0], ..at_rest };
 ///     let mut torque = [0.0];
-///     FrictionWarmUp.torque(&[40.0, 5.0], 0, &moving, &[], &mut torque);
+///     FrictionWarmUp.torque(&[40.0, 5.0, -1.0], 0, &moving, &[], &mut torque);
 ///     assert!((torque[0] - expected).abs() < 1e-9);
 /// }
 /// # Ok::<(), tauscope::error::Error>(())
@@ -59,7 +59,7 @@ static ABOUT: About = About {
     hidden_by_base_parameters: Hidden::No,
 };
 
-static PARAMETERS: [Parameter; 2] = [
+static PARAMETERS: [Parameter; 3] = [
     Parameter {
         name: "rise",
         symbol: "A",
@@ -78,6 +78,16 @@ static PARAMETERS: [Parameter; 2] = [
         upper: 1e4,
         typical: 5.0,
     },
+    // Negative: the start of every log.
+    Parameter {
+        name: "since",
+        symbol: "t0",
+        unit: Unit::Time,
+        role: Role::Held,
+        lower: -1.0,
+        upper: f64::INFINITY,
+        typical: -1.0,
+    },
 ];
 
 impl Effect for FrictionWarmUp {
@@ -92,12 +102,14 @@ impl Effect for FrictionWarmUp {
     fn search(&self, index: usize) -> Search {
         match index {
             1 => Search::TimeConstant,
+            2 => Search::ClockStart,
             _ => Search::Bounds,
         }
     }
 
     fn torque(&self, p: &[f64], joint: usize, x: &Instant, _: &[f64], out: &mut [f64]) {
-        out[joint] += p[0] * (-(x.t - x.started) / p[1]).exp() * x.direction[joint];
+        let since = if p[2] < 0.0 { x.started } else { p[2] };
+        out[joint] += p[0] * (-(x.t - since).max(0.0) / p[1]).exp() * x.direction[joint];
     }
 }
 
@@ -109,20 +121,26 @@ mod tests {
     #[test]
     fn by_hand() {
         // At t = 2 s with T = 4 s: 20 exp(-0.5) = 20 * 0.606530659713.
-        let torque = torque_at(&FrictionWarmUp, &[20.0, 4.0], 0.2, -0.5);
+        let torque = torque_at(&FrictionWarmUp, &[20.0, 4.0, -1.0], 0.2, -0.5);
         assert!((torque + 12.130_613_194_26).abs() < 1e-10, "{torque}");
-        let torque = torque_at(&FrictionWarmUp, &[20.0, 4.0], 0.2, 0.5);
+        let torque = torque_at(&FrictionWarmUp, &[20.0, 4.0, -1.0], 0.2, 0.5);
         assert!((torque - 12.130_613_194_26).abs() < 1e-10, "{torque}");
-        assert_eq!(torque_at(&FrictionWarmUp, &[0.0, 4.0], 0.2, 0.5), 0.0);
+        assert_eq!(torque_at(&FrictionWarmUp, &[0.0, 4.0, -1.0], 0.2, 0.5), 0.0);
     }
 
     /// Recorders stamp by the time of the controller or of the day.
     #[test]
     fn time_counts_from_the_start_of_the_log() {
         at(0.2, 0.5, |x| {
-            let mut out = [0.0];
-            FrictionWarmUp.torque(&[20.0, 4.0], 0, &Instant { t: 3723.0, started: 3721.0, ..*x }, &[], &mut out);
-            assert!((out[0] - 12.130_613_194_26).abs() < 1e-10, "{out:?}");
+            let at = |since: f64| {
+                let mut out = [0.0];
+                let now = Instant { t: 3723.0, started: 3721.0, ..*x };
+                FrictionWarmUp.torque(&[20.0, 4.0, since], 0, &now, &[], &mut out);
+                out[0]
+            };
+            assert!((at(-1.0) - 12.130_613_194_26).abs() < 1e-10, "{}", at(-1.0));
+            // The clock runs on from a log that started 6 s before: 20 exp(-8/4). What is yet to start is at its full height.
+            assert!((at(3715.0) - 2.706_705_664_73).abs() < 1e-10 && at(4000.0) == 20.0);
         });
     }
 }

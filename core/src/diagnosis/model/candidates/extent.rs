@@ -17,14 +17,30 @@ pub(crate) fn extent(rows: &Rows, joint: usize) -> Extent {
     let positions = rows.logs.iter().flat_map(|log| log.motion.q.channel(joint));
     let (low, high) = positions.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &q| (l.min(q), h.max(q)));
     let torque = rows.torque[joint].iter().zip(&rows.valid[joint]);
-    let begin = rows.logs.iter().filter_map(|log| log.time.first().copied()).fold(f64::INFINITY, f64::min);
-    let end = rows.logs.iter().filter_map(|log| log.time.last().copied()).fold(0.0, f64::max);
+    let ends: Vec<[f64; 2]> =
+        rows.logs.iter().filter_map(|log| Some([*log.time.first()?, *log.time.last()?])).collect();
+    let runs_on = runs_on(&ends);
+    let begin = ends.iter().map(|ends| ends[0]).fold(f64::INFINITY, f64::min);
+    let end = ends.iter().map(|ends| ends[1]).fold(0.0, f64::max);
+    let longest = ends.iter().map(|[begin, end]| end - begin).fold(0.0, f64::max);
     Extent {
         speed: speeds.fold(0.0, |most, v| most.max(v.abs())),
         range: (high - low).max(LEAST_RANGE),
         torque: torque.fold(0.0f64, |most, (v, ok)| if *ok { most.max(v.abs()) } else { most }),
         time: [begin, end],
+        duration: if runs_on { end - begin } else { longest },
+        runs_on,
     }
+}
+
+/// Whether the clocks of logs, each with its first and last instant, run on from one to the next: no two share an instant, and less time
+/// passes between them than in them, so that what the logs warmed up stays so.
+fn runs_on(ends: &[[f64; 2]]) -> bool {
+    let mut ends = ends.to_vec();
+    ends.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    let gaps: Vec<f64> = ends.windows(2).map(|pair| pair[1][0] - pair[0][1]).collect();
+    let logged: f64 = ends.iter().map(|[begin, end]| end - begin).sum();
+    !gaps.is_empty() && gaps.iter().all(|gap| *gap > 0.0) && gaps.iter().sum::<f64>() < logged
 }
 
 /// Highest number of periods per turn of a joint that the rows hold where it moves slowly: half a period from row to row. Zero of one that
@@ -39,4 +55,17 @@ pub(super) fn highest_harmonic(rows: &Rows, joint: usize) -> f64 {
     // A row is the mean of a block of samples.
     let row_s = rows.logs.iter().map(|log| log.block as f64 * log.period).fold(0.0, f64::max);
     if slow > 0.0 && row_s > 0.0 { std::f64::consts::PI / (row_s * slow) } else { 0.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn clocks_run_on_where_logs_follow_each_other() {
+        assert!(runs_on(&[[40.0, 70.0], [0.0, 30.0]]) && runs_on(&[[0.0, 30.0], [89.0, 119.0]]));
+        // Each starts anew, there is one only, or the arm stood for longer than it moved.
+        assert!(!runs_on(&[[0.0, 30.0], [0.0, 30.0]]) && !runs_on(&[[0.0, 30.0]]));
+        assert!(!runs_on(&[[0.0, 30.0], [91.0, 121.0]]));
+    }
 }

@@ -29,6 +29,7 @@ pub use noise::{noise_floor, white_noise};
 pub(crate) use quantile::size_quantile;
 pub(crate) use quantum::{change_sizes, quantum};
 pub(crate) use savitzky_golay::half_gain_hz;
+pub(crate) use savitzky_golay::noise_share;
 pub use savitzky_golay::{Edge, SavitzkyGolay, window_by_noise};
 pub use spectrum::amplitude_density;
 

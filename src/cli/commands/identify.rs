@@ -9,7 +9,7 @@ use crate::identification::effect_model::{Preparation, Trust};
 use crate::identification::fit;
 use crate::identification::prepare::Smoothing;
 use crate::identification::reversals::Band;
-use crate::identification::smoothing_choice::{usual_block, usual_window};
+use crate::identification::smoothing_choice::{usual_block, window_of_log};
 use crate::identification::{Identification, Progress, Wanted};
 use crate::output::ResultFolder;
 use crate::recording::Recording;
@@ -39,7 +39,7 @@ pub(crate) struct Arguments {
     /// Estimate the inertias (structure), or take them from the URDF (nominal).
     #[arg(long, value_parser = trust::parser(), default_value = "structure", help_heading = "Model")]
     trust: Trust,
-    /// Savitzky-Golay window, samples, odd. Default: that of the scenario, else 0.12 s.
+    /// Savitzky-Golay window, samples, odd. Default: that of the scenario, else 0.12 s, longer where positions are noisy.
     #[arg(long, value_name = "SAMPLES", help_heading = "Smoothing")]
     window: Option<usize>,
     /// Savitzky-Golay polynomial order. Default: that of the scenario, else 6.
@@ -94,6 +94,7 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
         robot.gravity = description.gravity;
     }
     let preparation = preparation(arguments, setup.as_ref(), &train[0])?;
+    notes.extend(report::longer_window(&preparation.smoothing, &train[0]).filter(|_| arguments.window.is_none()));
     let folder = ResultFolder::create(global.folder(&format!("identify_{}", robot.name)))?;
     let named = arguments.logs.named(arguments.arm.robot.clone());
     corrected::write(&folder, dataset.as_ref(), &named, &robot, correction.as_ref(), units)?;
@@ -234,7 +235,7 @@ pub(super) fn replayed(identified: &Robot, logs: fit::Logs, preparation: Prepara
 fn preparation(arguments: &Arguments, setup: Option<&Setup>, log: &Recording) -> Result<Preparation> {
     let spec = setup.map(|setup| &setup.scenario.identification);
     let window = arguments.window.or(spec.and_then(|s| s.smoothing_window));
-    let window = window.unwrap_or_else(|| usual_window(log.rate_hz()));
+    let window = window.unwrap_or_else(|| window_of_log(log));
     let order = arguments.order.or(spec.map(|s| s.smoothing_order)).unwrap_or(6);
     let decimation = arguments.decimation.or(spec.map(|s| s.decimation)).unwrap_or((window / 12).max(1));
     if decimation == 0 {

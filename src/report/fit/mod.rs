@@ -3,8 +3,8 @@
 mod notes;
 
 pub use notes::{
-    between_logs, constants, falling_friction, negative_coulomb, negative_rotor, not_of_bodies, undetermined,
-    undetermined_held_out, unlike_described,
+    between_logs, constants, falling_friction, longer_window, negative_coulomb, negative_rotor, not_of_bodies,
+    undetermined, undetermined_held_out, unlike_described,
 };
 
 use super::console::{by_joint, column_with_unit, significant, table};

@@ -4,6 +4,8 @@ use super::place_of;
 use crate::dynamics::{BaseParameters, Chain, mass_matrix};
 use crate::identification::consistent::Consistent;
 use crate::identification::fit::{Agreement, BetweenLogs, Constant, Fitted};
+use crate::identification::prepare::Smoothing;
+use crate::identification::smoothing_choice::usual_window;
 use crate::internal::root_mean_square;
 use crate::recording::Recording;
 use crate::report::console::significant;
@@ -245,6 +247,19 @@ pub fn negative_coulomb(robot: &Robot, fitted: &Fitted) -> Option<String> {
              that of another joint, or a law of friction that the model lacks is in it. Do not use it; `tauscope inspect` looks for signs, columns and \
              delays, `tauscope diagnose` for laws of friction",
             listed(fitted, &joints, Unit::Effort)
+        )
+    })
+}
+
+/// A line about a Savitzky-Golay window that is longer than the usual one, since the positions of `log` are noisy.
+pub fn longer_window(smoothing: &Smoothing, log: &Recording) -> Option<String> {
+    let Smoothing::SavitzkyGolay { window, .. } = *smoothing else { return None };
+    let usual = usual_window(log.rate_hz());
+    (window > usual).then(|| {
+        let [window_s, usual_s] = [window, usual].map(|samples| samples as f64 / log.rate_hz());
+        format!(
+            "positions are smoothed over {window} samples ({window_s:.2} s) instead of {usual} ({usual_s:.2} s): their noise would make the \
+             accelerations, and take the inertias down (--window sets it)"
         )
     })
 }

@@ -5,7 +5,7 @@ use super::low_passed;
 use super::prepare::{self, LOW_PASS_ORDER, Smoothing};
 use crate::error::{Error, Result};
 use crate::recording::Recording;
-use crate::signal::{Bandwidth, Edge, SavitzkyGolay, bandwidth, half_gain_hz, window_by_noise};
+use crate::signal::{Bandwidth, Edge, SavitzkyGolay, bandwidth, half_gain_hz, noise_share, window_by_noise};
 use serde::Serialize;
 
 /// Cut-off of torque and columns over the highest frequency of the motion: 2 is the rule of Janot, Vandanjon and Gautier. The positions' is
@@ -36,6 +36,13 @@ const USUAL_WINDOW_S: f64 = 0.12;
 /// separate friction from inertia, and a vibration that the window takes off whole does not show as an error of the window.
 const LONGEST_OVER_USUAL: usize = 2;
 
+/// Share of the noise in the variance of an acceleration from which the usual window is too short: inertias, of which a regression sees
+/// small differences between accelerations and gravity, are then attenuated by several times their standard deviations.
+const NOISY: f64 = 0.02;
+
+/// Longest window of positions that are noisier than that, over the usual one: half a second, over which a motion of 1 Hz is not bent.
+const LONGEST_OF_NOISY: usize = 4;
+
 /// Shortest window where nothing is chosen, samples: one of order six smooths from here on.
 const SHORTEST_USUAL: usize = 9;
 
@@ -45,6 +52,19 @@ const SAMPLES_TO_CHOOSE: usize = 500;
 /// The window, in samples, of 0.12 s.
 pub fn usual_window(rate_hz: f64) -> usize {
     ((USUAL_WINDOW_S * rate_hz).round() as usize | 1).max(SHORTEST_USUAL)
+}
+
+/// The usual window where the noise of the positions of `log` leaves accelerations for a regression, else the one that suits that noise:
+/// at 50 to 125 Hz the usual one has few samples, and smooths hardly at all.
+pub fn window_of_log(log: &Recording) -> usize {
+    let usual = usual_window(log.rate_hz());
+    let positions: Vec<&[f64]> = log.q.iter().collect();
+    if noise_share(&positions, usual, USUAL_ORDER).is_ok_and(|share| share < NOISY) {
+        return usual;
+    }
+    let longest = LONGEST_OF_NOISY * usual;
+    // A log that is too short to choose by, or in which nothing moves, is refused where it is fitted, or has the usual one.
+    window_by_noise(&positions, USUAL_ORDER, longest).map_or(usual, |window| window.max(usual))
 }
 
 /// The Savitzky-Golay window, in samples, that suits the noise of the positions of `logs`, all of one rate, for polynomials of degree

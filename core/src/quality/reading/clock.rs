@@ -86,7 +86,8 @@ pub(crate) fn findings(sieved: &Sieved, clock: &Clock, factor: f64) -> Vec<Findi
         );
         out.push(Finding::new(Kind::ModelTorque, Severity::Warning, "tau", text));
     }
-    let groups: [(Kind, &[Cause], &str); 3] = [
+    let groups: [(Kind, &[Cause], &str); 4] = [
+        (Kind::TwoSources, &[Cause::Blank], "are those of a second source"),
         (Kind::BadRows, &[Cause::Unreadable, Cause::NotFinite, Cause::Absurd], "cannot be used"),
         (Kind::DuplicateTime, &[Cause::DuplicateTime], "repeat the time of the row before"),
         (Kind::BackwardTime, &[Cause::BackwardTime], "are out of time"),
@@ -100,6 +101,11 @@ pub(crate) fn findings(sieved: &Sieved, clock: &Clock, factor: f64) -> Vec<Findi
         }
         let share = rows.len() as f64 / all as f64;
         let (severity, advice) = match share {
+            _ if kind == Kind::TwoSources => (
+                Severity::Warning,
+                "they are left out: two programs write the joints' states, as two publishers on one topic do, and one of them knows no \
+                 torque; stop it, or give it a topic of its own",
+            ),
             s if s > RESTARTED && kind == Kind::BackwardTime => (Severity::Fatal, cause_of_backward_time(&rows)),
             s if s > 0.5 => (Severity::Fatal, "most of the log is lost; correct the export and try again"),
             s if s > 0.01 => (Severity::Warning, "they are left out and bridged; correct the export if you can"),

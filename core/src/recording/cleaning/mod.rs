@@ -4,6 +4,7 @@
 //! the rows without those that are not finite, absurd or out of order ([`Rejected`]), torques without those that never change, positions
 //! without jumps by whole turns.
 
+mod blank;
 pub(super) mod missing;
 pub(super) mod sentinel;
 mod sieve;

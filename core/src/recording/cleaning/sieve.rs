@@ -1,5 +1,6 @@
 //! Which rows of a log can be used: finite, of a size that an arm can have, in the order of time.
 
+use super::blank;
 use crate::recording::columns::Layout;
 use std::collections::BTreeMap;
 
@@ -36,6 +37,8 @@ pub enum Cause {
     NotFinite,
     /// A number that no arm can have.
     Absurd,
+    /// Zeros in place of all torques, between rows in which they are not zero: of a second source.
+    Blank,
     /// The same time as the row before.
     DuplicateTime,
     /// A time before that of the row before, or far ahead of the rows behind.
@@ -95,6 +98,11 @@ impl Rows {
                 };
                 faults.entry(row).or_insert(fault);
             }
+        }
+        let torques: Vec<&[f64]> = layout.torques().iter().map(|&column| &self.columns[column][..]).collect();
+        for row in blank::of_second_source(&torques) {
+            let problem = "all torques are zero between rows in which they are not".to_owned();
+            faults.entry(row).or_insert((layout.torques()[0], Cause::Blank, problem));
         }
         let time = layout.time();
         let rows: Vec<usize> = (0..self.lines.len()).filter(|row| !faults.contains_key(row)).collect();

@@ -7,4 +7,5 @@ mod window;
 
 pub use smoother::{Edge, SavitzkyGolay};
 pub(crate) use window::half_gain_hz;
+pub(crate) use window::noise_share;
 pub use window::window_by_noise;

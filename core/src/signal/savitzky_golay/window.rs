@@ -84,6 +84,27 @@ pub fn window_by_noise(signals: &[&[f64]], order: usize, longest: usize) -> Resu
     Ok(best.map_or(first, |(_, &window)| window))
 }
 
+/// Share of the variance of the second derivative over a `window` that the noise of the `signals` makes, of the signal where it is largest:
+/// by as much a regression on it is attenuated (errors in variables). Signals that stand are left out.
+///
+/// # Errors
+/// If the window is impossible.
+pub(crate) fn noise_share(signals: &[&[f64]], window: usize, order: usize) -> Result<f64> {
+    let filter = SavitzkyGolay::new(window, order, 2, 1.0, Edge::Nearest)?;
+    let gain = squares(filter.coefficients().into_iter());
+    let mut largest = 0.0f64;
+    for signal in signals.iter().filter(|signal| signal.len() > window) {
+        let noise = noise_floor(signal);
+        if moves(signal, noise) {
+            let output = filter.apply_every(signal, 1)?;
+            let inside = &output[window / 2..output.len() - window / 2];
+            let variance = squares(inside.iter().copied()) / inside.len() as f64;
+            largest = largest.max(noise * noise * gain / variance.max(f64::MIN_POSITIVE));
+        }
+    }
+    Ok(largest)
+}
+
 /// Frequency, Hz, up to which a smoother (derivative 0) passes more than half of an amplitude, for signals sampled at `rate_hz`: the
 /// cut-off of the [`crate::signal::ZeroPhaseLowPass`] that it is like. Half the rate where it passes as much of everything.
 pub(crate) fn half_gain_hz(smoother: &SavitzkyGolay, rate_hz: f64) -> f64 {
@@ -200,5 +221,20 @@ mod tests {
         assert!(window_by_noise(&[&standing], 6, LONGEST).unwrap_err().to_string().contains("no joint moves"));
         assert!(window_by_noise(&[&moving], 6, 21).unwrap() <= 21);
         assert!(window_by_noise(&[&moving[..40]], 6, LONGEST).unwrap_err().to_string().contains("too few"));
+    }
+
+    #[test]
+    fn noise_attenuates_by_its_share_of_the_second_derivative() {
+        // White noise of the second derivative: its variance over the window is that of the difference to the swing without noise.
+        let (noise, window) = (2e-3, 31);
+        let [with, without] = [noise, 0.0].map(|noise| swing(2.0, noise, 8));
+        let filter = SavitzkyGolay::new(window, 6, 2, 1.0, Edge::Nearest).unwrap();
+        let [a, b] = [&with, &without].map(|signal| filter.apply_every(signal, 1).unwrap()[50..7950].to_vec());
+        let of_noise = squares(a.iter().zip(&b).map(|(a, b)| a - b)) / squares(a.iter().copied());
+        let share = noise_share(&[&with], window, 6).unwrap();
+        assert!((share / of_noise - 1.0).abs() < 0.1, "{share} instead of {of_noise}");
+        // What stands has noise only.
+        let standing = swing(0.0, noise, 9);
+        assert_eq!(noise_share(&[&standing], window, 6).unwrap(), 0.0);
     }
 }

@@ -160,10 +160,11 @@ pub trait Effect: Sync {
         true
     }
 
-    /// Whether it leaves an arm that can be.
-    fn is_believable(&self, p: &[f64], joint: usize, robot: &Robot) -> bool {
+    /// How far it is from what a machine can have: its largest value over the limit of that value, or the least that it must be over its
+    /// value. At most one for what can be, infinite where a value has a sign that it cannot have.
+    fn over_limit(&self, p: &[f64], joint: usize, robot: &Robot) -> f64 {
         let _ = (p, joint, robot);
-        true
+        0.0
     }
 
     /// Largest share that it can have, in root mean square, of its joint's torque, which where the drive idles is taken for a share of the

@@ -238,7 +238,7 @@ impl Trial<'_> {
         }
         if held_out.whitener.is_misfit(&winner.candidate.joints(), levels.misfit) {
             let turned = self.session.turns_unphysical(&held_out.with, &held_out.solved[1]);
-            let signs = Judgement::at_most(Gate::EarlierSigns, f64::from(u8::from(turned)), 0.0);
+            let signs = Judgement::at_most(Gate::EarlierSigns, turned as f64, 0.0);
             if let Some(failed) = Judgement::first_failed(alone.into_iter().chain([signs])) {
                 return refused(failed, false);
             }

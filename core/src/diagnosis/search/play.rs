@@ -65,9 +65,9 @@ pub(super) fn rattling_gears(session: &Session, options: &Options) -> Result<Imp
         let timed = || {
             let play = train.play(joint, &session.model.arm, &session.logs.train.rows, levels.stands_out);
             let play = play.ok_or(Judgement::at_least(Gate::ImpactsTimed, 0.0, 1.0))?;
-            let can_be = effect.is_believable(&[play.half_gap], joint, session.model.base.robot());
-            let believable = Judgement::at_most(Gate::Believable, f64::from(u8::from(!can_be)), 0.0);
-            if can_be { Ok(play) } else { Err(believable) }
+            let over = effect.over_limit(&[play.half_gap], joint, session.model.base.robot());
+            let believable = Judgement::at_most(Gate::Believable, over, 1.0);
+            Judgement::first_failed([believable]).map_or(Ok(play), Err)
         };
         let play = match Judgement::first_failed(gates).map_or_else(timed, Err) {
             Ok(play) => play,

@@ -1,7 +1,7 @@
 //! Link inertia error: one link's inertial parameters are not those of the model.
 
 use super::payload::load;
-use super::plausible::{can_be, length, mass, spread};
+use super::plausible::{length, mass, over_limit, spread};
 use crate::effects::{About, Derived, Effect, Hidden, Nature, Parameter, Rival, Role, Scope, Site};
 use crate::robot::{Inertia, Robot, Unit};
 
@@ -92,10 +92,10 @@ impl Effect for LinkInertiaError {
         Some(spread(mass(robot, joint), length(robot, joint)))
     }
 
-    fn is_believable(&self, p: &[f64], joint: usize, robot: &Robot) -> bool {
+    fn over_limit(&self, p: &[f64], joint: usize, robot: &Robot) -> f64 {
         let mut changed = robot.clone();
         self.alter(p, joint, &mut changed);
-        can_be(&changed.joints[joint].inertia, robot, joint)
+        over_limit(&changed.joints[joint].inertia, robot, joint)
     }
 
     fn is_body(&self) -> bool {

@@ -28,12 +28,16 @@ pub(super) fn spread(mass: f64, length: f64) -> Vec<f64> {
     (0..10).map(of).collect()
 }
 
-/// Whether a link can be `after` a change.
-pub(super) fn can_be(after: &Inertia, robot: &Robot, joint: usize) -> bool {
+/// The mass of a link `after` a change, or the distance of its centre of mass, over the most that it can be; infinite without mass.
+pub(super) fn over_limit(after: &Inertia, robot: &Robot, joint: usize) -> f64 {
     let before = &robot.joints[joint].inertia;
-    after.mass() > 0.0
-        && after.mass() <= before.mass() + HEAVIER * mass(robot, joint)
-        && after.first_moment().norm() <= REACH * length(robot, joint) * after.mass()
+    if after.mass() > 0.0 {
+        let heaviest = before.mass() + HEAVIER * mass(robot, joint);
+        let farthest = REACH * length(robot, joint) * after.mass();
+        (after.mass() / heaviest).max(after.first_moment().norm() / farthest)
+    } else {
+        f64::INFINITY
+    }
 }
 
 /// Mass that a link may be taken for, kg; one that is described as next to nothing is a part of the arm all the same.
@@ -56,6 +60,7 @@ pub(super) fn length(robot: &Robot, joint: usize) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use super::{HEAVIER, REACH, length};
     use crate::effects::{Placed, find};
     use crate::robot::{InertiaCheck, Robot, load};
 
@@ -67,22 +72,33 @@ mod tests {
     fn a_balancer_is_no_link() {
         let robot = arm();
         let mut error = Placed::typical(find("link_inertia_error").unwrap(), 1).absent();
-        let is_believable = |error: &Placed| error.effect.is_believable(&error.parameters, error.joint, &robot);
-        assert!(is_believable(&error));
+        let over_limit = |error: &Placed| error.effect.over_limit(&error.parameters, error.joint, &robot);
+        assert!(over_limit(&error) <= 1.0);
         error.parameters[1] = 0.1;
-        assert!(is_believable(&error));
+        assert!(over_limit(&error) <= 1.0);
         // A centre of mass two metres behind the joint.
         error.parameters[1] = -2.0 * robot.joints[1].inertia.mass() - robot.joints[1].inertia.first_moment().x;
-        assert!(!is_believable(&error));
-        error.parameters = vec![-1e3, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
-        assert!(!is_believable(&error));
+        assert!(over_limit(&error) >= 2.0 / (REACH * length(&robot, 1)) && over_limit(&error) > 1.0);
+        // Four times its mass about where it was is the most; without mass there is no link.
+        let masses = |change: f64| vec![change, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
+        error.parameters = masses((1.0 + 1e-9) * HEAVIER * robot.joints[1].inertia.mass());
+        assert!((over_limit(&error) - 1.0).abs() < 1e-8 && over_limit(&error) > 1.0);
+        error.parameters = masses(-1e3);
+        assert_eq!(over_limit(&error), f64::INFINITY);
     }
 
     #[test]
     fn an_encoder_errs_by_degrees_at_most() {
         let eccentricity = find("encoder_eccentricity").unwrap();
-        let is_believable = |sine: f64, cosine: f64| eccentricity.is_believable(&[sine, cosine], 1, &arm());
-        assert!(is_believable(0.03, -0.0399) && !is_believable(0.03, -0.0401));
+        let over_limit = |sine: f64, cosine: f64| eccentricity.over_limit(&[sine, cosine], 1, &arm());
+        assert!(over_limit(0.03, -0.0399) < 1.0 && over_limit(0.03, -0.0401) > 1.0);
+    }
+
+    #[test]
+    fn play_below_the_noise_of_encoders_is_none() {
+        let over_limit = |half_gap: f64| find("backlash").unwrap().over_limit(&[half_gap], 1, &arm());
+        assert_eq!([over_limit(5e-6), over_limit(1e-5), over_limit(0.0)], [1.0, 0.5, f64::INFINITY]);
+        assert!(over_limit(4.99e-6) > 1.0);
     }
 
     #[test]

@@ -69,8 +69,8 @@ impl Effect for Backlash {
         &PARAMETERS
     }
 
-    fn is_believable(&self, p: &[f64], _: usize, _: &Robot) -> bool {
-        p[0] >= NARROWEST
+    fn over_limit(&self, p: &[f64], _: usize, _: &Robot) -> f64 {
+        if p[0] > 0.0 { NARROWEST / p[0] } else { f64::INFINITY }
     }
 
     /// No position below the noise of the encoder is known.

@@ -67,8 +67,8 @@ impl Effect for EncoderEccentricity {
         &PARAMETERS
     }
 
-    fn is_believable(&self, p: &[f64], _: usize, _: &Robot) -> bool {
-        p[0].hypot(p[1]) <= LARGEST
+    fn over_limit(&self, p: &[f64], _: usize, _: &Robot) -> f64 {
+        p[0].hypot(p[1]) / LARGEST
     }
 
     /// No position below the noise of the encoder is known.

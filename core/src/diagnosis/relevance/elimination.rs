@@ -102,13 +102,12 @@ fn least_that_fails(judge: &Judge, kept: &[usize], worse: f64) -> Option<(usize,
     if let Some((one, failed)) = failing.min_by(|(a, _), (b, _)| a.relative_size.total_cmp(&b.relative_size)) {
         return Some((one.index, failed, one.size.clone()));
     }
-    let beyond: Vec<Judgement> = judged.par_iter().map(|one| judge.beyond_structure(kept, one.index)).collect();
-    let place = (0..judged.len())
-        .filter(|&place| !beyond[place].passed)
-        .min_by(|&a, &b| beyond[a].value.total_cmp(&beyond[b].value));
-    if let Some(place) = place {
+    let beyond: Vec<_> = judged.par_iter().map(|one| judge.beyond_structure(kept, one.index)).collect();
+    let failing = beyond.into_iter().enumerate().filter_map(|(place, gained)| Some((place, gained?)));
+    let failing = failing.filter(|(_, gained)| !gained.passed);
+    if let Some((place, failed)) = failing.min_by(|(_, a), (_, b)| a.value.total_cmp(&b.value)) {
         let Judged { index, size, .. } = judged.swap_remove(place);
-        return Some((index, beyond[place], size));
+        return Some((index, failed, size));
     }
     let (joint, factor) = judge.worse_than_baseline(kept)?;
     let index = judge.without_which_best(kept, joint)?;

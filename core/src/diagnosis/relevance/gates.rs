@@ -237,21 +237,16 @@ impl<'a> Judge<'a> {
         self.beyond.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// What the member at `kept[index]` explains beyond generic functions, with the others in the model; passed where the rows of that
+    /// What the member at `kept[index]` explains beyond generic functions, with the others in the model; None where the rows of that
     /// comparison are too long for its law. A few numbers from the training logs that predict most of what the held-out ones have beyond
     /// the noise are a law, too, also where generic functions that are fitted to both explain as much.
-    pub(super) fn beyond_structure(&self, kept: &[usize], index: usize) -> Judgement {
-        let threshold = self.session.criteria.levels.log_odds;
+    pub(super) fn beyond_structure(&self, kept: &[usize], index: usize) -> Option<Judgement> {
+        let Criteria { levels, verdict, .. } = &self.session.criteria;
         let others: Vec<usize> = kept.iter().copied().filter(|&other| other != kept[index]).collect();
         let joints = self.members[kept[index]].candidate.joints().into_iter();
-        match joints.map(|joint| self.gain(kept[index], &others, joint)).sum::<Option<f64>>() {
-            Some(gain) => {
-                let gained = gain >= threshold;
-                let passed = gained || self.predicted(kept, &others, index) >= self.session.criteria.verdict.explained;
-                Judgement { gate: Gate::BeyondStructure, value: gain, threshold, passed }
-            }
-            None => Judgement { gate: Gate::BeyondStructure, value: f64::NAN, threshold, passed: true },
-        }
+        let gain = joints.map(|joint| self.gain(kept[index], &others, joint)).sum::<Option<f64>>()?;
+        let gained = Judgement::at_least(Gate::BeyondStructure, gain, levels.log_odds);
+        Some(gained.or(gained.passed || self.predicted(kept, &others, index) >= verdict.explained))
     }
 }
 

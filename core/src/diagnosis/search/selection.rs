@@ -169,7 +169,7 @@ pub(crate) fn select(session: &mut Session, options: &Options, watch: &mut Watch
     let superfluous = drop_superfluous(session, &mut found)?;
     let dropped = !superfluous.is_empty();
     rejected.extend(superfluous);
-    let simpler = simpler_pairs(session, &mut found, &round.all, &multiplicity, options)?;
+    let simpler = simpler_pairs(session, &mut found, &round.all, &multiplicity, options, &mut rejected)?;
     let reselected = reselect(session, &mut found, &round.all, &multiplicity, options, &mut rejected, watch)?;
     let Round { mut whitener, scan, all, .. } = round;
     // What would be significant with an estimate that cannot be.

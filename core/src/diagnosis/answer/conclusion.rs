@@ -4,11 +4,11 @@ use super::diagnosis::{self, Diagnosis, Errors, LogSummary, OfSampling, Scope, w
 use super::extended::ExtendedModel;
 use super::inertias::{self, Free, Gain, all_inertias};
 use super::not_found::not_found;
-use super::notices::{Sizes, next_experiment};
 use super::outcome::{Conclusion, Measured};
 use super::quantities::{Evidence, Residuals, derived, residual_structure};
 use super::resimulation::{Replay, joints_of};
 use super::searched::{Searched, found_that_matter, map_on};
+use super::words::{Sizes, next_experiment};
 use crate::channels::Channels;
 use crate::diagnosis::Options;
 use crate::diagnosis::criteria::Judgement;

@@ -10,6 +10,7 @@ use crate::diagnosis::regression::{Column, Projection, Test, fisher};
 use crate::diagnosis::search::{Selection, members};
 use crate::error::Result;
 use std::borrow::Cow;
+use std::ops::Range;
 
 /// Structure that no candidate carries.
 ///
@@ -184,6 +185,14 @@ struct Again {
     significant: Judgement,
 }
 
+/// Places of the columns of a regression.
+#[derive(Debug)]
+struct Places {
+    model: Range<usize>,
+    errors: Range<usize>,
+    torque: usize,
+}
+
 /// The model as found, on training and held-out rows.
 #[derive(Debug)]
 pub(super) struct Fitted<'a> {
@@ -193,10 +202,10 @@ pub(super) struct Fitted<'a> {
     pub members: Vec<Member>,
     /// Which of them have no rivals.
     named: Vec<bool>,
-    /// Number of its columns.
-    count: usize,
-    /// These, those of the baseline first; then columns of what errors of the positions put into the torque; and last the torque.
+    /// Its columns, those of the baseline first; columns of what errors of the positions put into the torque; and the torque.
     condensed: Condensed,
+    /// Places of the columns of the model, of those of the errors, and of the torque.
+    places: Places,
     /// Prior standard deviations of the factors of the errors.
     spread: Vec<f64>,
     /// The columns on the held-out rows, and those of the errors there.
@@ -240,11 +249,12 @@ impl<'a> Fitted<'a> {
             errors
         };
         let train_errors = errors(&session.logs.train);
-        let count = columns.len();
+        let model = 0..columns.len();
+        let errors_end = model.end + train_errors.columns().len();
         let torque = session.logs.train.torque.clone();
         let regression = [columns, train_errors.columns().to_vec(), vec![torque]].concat();
         Ok(Fitted {
-            count,
+            places: Places { errors: model.end..errors_end, model, torque: errors_end },
             condensed: Condensed::new(&selection.whitener, regression, session.logs.train.rows.dof()),
             spread: train_errors.spread().to_vec(),
             held_out_columns: session.model.columns(&session.logs.test, &members)?,
@@ -260,7 +270,7 @@ impl<'a> Fitted<'a> {
 
     /// Columns of the model, those of the baseline first.
     fn columns(&self) -> &[Column] {
-        &self.condensed.whole[..self.count]
+        &self.condensed.whole[self.places.model.clone()]
     }
 
     /// The noise under the model.
@@ -270,11 +280,10 @@ impl<'a> Fitted<'a> {
 
     /// The model in a noise that differs on the other joints from that of the search by its misfit alone, for tests on one joint.
     pub(super) fn under(&self, joint: usize, whitener: Whitener) -> Under {
-        let mut columns = self.condensed.with_rows_of(joint, &whitener);
-        let torque = columns.pop().unwrap_or_default();
-        let errors = columns.split_off(self.count);
-        let fit = Projection::new(&columns, &torque);
-        let adjusted_for_errors = fit.with_prior(&errors, &self.spread);
+        let columns = self.condensed.with_rows_of(joint, &whitener);
+        let Places { model, errors, torque } = &self.places;
+        let fit = Projection::new(&columns[model.clone()], &columns[*torque]);
+        let adjusted_for_errors = fit.with_prior(&columns[errors.clone()], &self.spread);
         Under { on_held_out: whitener.on(&self.session.logs.test.rows), whitener, fit, adjusted_for_errors }
     }
 

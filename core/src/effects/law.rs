@@ -2,6 +2,7 @@
 
 use super::about::{About, Parameter};
 use super::gear::Gear;
+use super::limit::Limit;
 use super::search::{Derived, DriveParameter, Search};
 use crate::dynamics::Chain;
 use crate::robot::{Pose, Robot};
@@ -160,8 +161,13 @@ pub trait Effect: Sync {
         true
     }
 
-    /// How far it is from what a machine can have: its largest value over the limit of that value, or the least that it must be over its
-    /// value. At most one for what can be, infinite where a value has a sign that it cannot have.
+    /// What a machine can have of it, beyond the bounds of its parameters: the limits that [`Effect::over_limit`] takes.
+    fn limits(&self) -> &'static [Limit] {
+        &[]
+    }
+
+    /// How far it is from what a machine can have: the largest of its quantities over their limits ([`Limit::over`]). At most one for what
+    /// can be, infinite where a quantity has a sign that it cannot have.
     fn over_limit(&self, p: &[f64], joint: usize, robot: &Robot) -> f64 {
         let _ = (p, joint, robot);
         0.0

@@ -1,8 +1,8 @@
 //! Link inertia error: one link's inertial parameters are not those of the model.
 
 use super::payload::load;
-use super::plausible::{length, mass, over_limit, spread};
-use crate::effects::{About, Derived, Effect, Hidden, Nature, Parameter, Rival, Role, Scope, Site};
+use super::plausible::{LIMITS_OF_LINK, length, mass, over_limit, spread};
+use crate::effects::{About, Derived, Effect, Hidden, Limit, Nature, Parameter, Rival, Role, Scope, Site};
 use crate::robot::{Inertia, Robot, Unit};
 
 /// Ten inertial parameters, about the joint frame, added to a link.
@@ -90,6 +90,10 @@ impl Effect for LinkInertiaError {
 
     fn prior(&self, joint: usize, robot: &Robot) -> Option<Vec<f64>> {
         Some(spread(mass(robot, joint), length(robot, joint)))
+    }
+
+    fn limits(&self) -> &'static [Limit] {
+        &LIMITS_OF_LINK
     }
 
     fn over_limit(&self, p: &[f64], joint: usize, robot: &Robot) -> f64 {

@@ -3,16 +3,17 @@
 //! A link that differs from its description is still about that link: its mass of the same order, its centre of mass within
 //! its length. Without that a wrong link explains what a balancer or a spring does, by a mass behind the joint.
 
+use crate::effects::Limit;
 use crate::robot::{Inertia, Robot};
 
 /// Shortest length that counts for a link, m.
 const SHORTEST_M: f64 = 0.1;
 
-/// How far from its joint the centre of mass of a link may lie, over the link's length.
-const REACH: f64 = 1.25;
-
-/// How many times its mass a link may weigh more than described.
-const HEAVIER: f64 = 3.0;
+/// How many times its mass a link may weigh more than described, and how far from its joint its centre of mass may lie.
+pub(super) static LIMITS_OF_LINK: [Limit; 2] = [
+    Limit::most("mass added, over that of the description", 3.0),
+    Limit::most("distance of the centre of mass from the joint, over the length of the link", 1.25),
+];
 
 /// Least mass of a link over that of the arm, and of an arm, kg.
 const LIGHTEST_SHARE: f64 = 0.01;
@@ -28,13 +29,14 @@ pub(super) fn spread(mass: f64, length: f64) -> Vec<f64> {
     (0..10).map(of).collect()
 }
 
-/// The mass of a link `after` a change, or the distance of its centre of mass, over the most that it can be; infinite without mass.
+/// The mass that a link `after` a change has more than before, or the distance of its centre of mass, over their limits; infinite without
+/// mass.
 pub(super) fn over_limit(after: &Inertia, robot: &Robot, joint: usize) -> f64 {
-    let before = &robot.joints[joint].inertia;
     if after.mass() > 0.0 {
-        let heaviest = before.mass() + HEAVIER * mass(robot, joint);
-        let farthest = REACH * length(robot, joint) * after.mass();
-        (after.mass() / heaviest).max(after.first_moment().norm() / farthest)
+        let [heavier, reach] = &LIMITS_OF_LINK;
+        let added = (after.mass() - robot.joints[joint].inertia.mass()) / mass(robot, joint);
+        let distance = after.first_moment().norm() / after.mass();
+        heavier.over(added).max(reach.over(distance / length(robot, joint)))
     } else {
         f64::INFINITY
     }
@@ -60,7 +62,7 @@ pub(super) fn length(robot: &Robot, joint: usize) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::{HEAVIER, REACH, length};
+    use super::{LIMITS_OF_LINK, length};
     use crate::effects::{Placed, find};
     use crate::robot::{InertiaCheck, Robot, load};
 
@@ -78,10 +80,11 @@ mod tests {
         assert!(over_limit(&error) <= 1.0);
         // A centre of mass two metres behind the joint.
         error.parameters[1] = -2.0 * robot.joints[1].inertia.mass() - robot.joints[1].inertia.first_moment().x;
-        assert!(over_limit(&error) >= 2.0 / (REACH * length(&robot, 1)) && over_limit(&error) > 1.0);
-        // Four times its mass about where it was is the most; without mass there is no link.
+        let reach = LIMITS_OF_LINK[1].over(2.0 / length(&robot, 1));
+        assert!(over_limit(&error) >= reach && reach > 1.0);
+        // Three times its mass more is the most; without mass there is no link.
         let masses = |change: f64| vec![change, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
-        error.parameters = masses((1.0 + 1e-9) * HEAVIER * robot.joints[1].inertia.mass());
+        error.parameters = masses((1.0 + 1e-9) * 3.0 * robot.joints[1].inertia.mass());
         assert!((over_limit(&error) - 1.0).abs() < 1e-8 && over_limit(&error) > 1.0);
         error.parameters = masses(-1e3);
         assert_eq!(over_limit(&error), f64::INFINITY);

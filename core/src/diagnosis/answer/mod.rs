@@ -6,6 +6,7 @@
 mod accounted;
 mod builder;
 mod conclusion;
+mod described;
 mod diagnosis;
 mod document;
 mod equations;

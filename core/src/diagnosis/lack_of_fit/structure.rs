@@ -2,6 +2,7 @@
 //! the joint they replace.
 
 use super::condensed::Condensed;
+use super::reported::{Replaced, Unexplained};
 use crate::diagnosis::criteria::{Gate, Judgement};
 use crate::diagnosis::evidence::{Block, Gains, against_slow_noise, modulated};
 use crate::diagnosis::model::{DataSet, Member, Nuisances, PreparedLogs, Session};
@@ -11,121 +12,6 @@ use crate::diagnosis::search::{Selection, members};
 use crate::error::Result;
 use std::borrow::Cow;
 use std::ops::Range;
-
-/// Structure that no candidate carries.
-///
-/// ```
-/// # extern crate tauscope_core as tauscope;
-/// use tauscope::diagnosis::Unexplained;
-/// # use tauscope::diagnosis::Diagnosis;
-/// # use tauscope::recording;
-/// # use tauscope::robot::{self, InertiaCheck};
-/// # let robot = robot::load("../tests/reference/pendulum.urdf", InertiaCheck::Ignored)?;
-/// # let log = |name: &str| recording::load(format!("../tests/reference/pendulum/{name}.csv"), None);
-/// # let (train, test) = (log("train")?, log("test")?);
-/// # let answer = Diagnosis::of(&robot).train([&train]).test([&test]).candidates(["torque_offset"]).run()?;
-/// # let diagnosis = answer.diagnosis().expect("the logs are good");
-///
-/// // Offsets do not explain the ripple of the pivot: its residual follows something else.
-/// let left: &Unexplained = diagnosis.unexplained.first().expect("there is structure");
-/// assert!(left.joint == 0 && left.share > 0.5 && !left.structure.is_empty());
-/// # Ok::<(), tauscope::error::Error>(())
-/// ```
-#[derive(Debug, Clone, PartialEq)]
-pub struct Unexplained {
-    /// The joint.
-    pub joint: usize,
-    /// Share of its residual (sum of squares, whitened) that follows the structure.
-    pub share: f64,
-    /// What it follows.
-    pub structure: &'static str,
-    /// Probability of as much without structure, on any joint; None where none was worked out.
-    pub family_wise_p: Option<f64>,
-    /// Whether training and held-out logs each show it with certainty: findings on the joint are compared with it.
-    pub certain: bool,
-    /// Members of the model that add nothing to the structure: it explains what they were named for.
-    pub instead_of: Vec<Replaced>,
-    /// The gates that it passed.
-    pub passed: Vec<Judgement>,
-}
-
-/// Structure that a joint's training rows show, and that failed a gate.
-///
-/// ```
-/// # extern crate tauscope_core as tauscope;
-/// use tauscope::diagnosis::{Diagnosis, RejectedStructure};
-///
-/// // What the residual does not follow after all, and why not.
-/// fn refused(diagnosis: &Diagnosis) -> Vec<String> {
-///     let line = |one: &RejectedStructure| format!("no {}: {}", one.structure, one.failed.gate.reason());
-///     diagnosis.rejected_structure.iter().map(line).collect()
-/// }
-/// ```
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct RejectedStructure {
-    /// The joint.
-    pub joint: usize,
-    /// What its residual would follow.
-    pub structure: &'static str,
-    /// The gate that it failed.
-    pub failed: Judgement,
-}
-
-/// What was looked for in the residual: structure, and what was taken for none.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub(crate) struct Structure {
-    /// That which is reported.
-    pub unexplained: Vec<Unexplained>,
-    /// That which failed a gate.
-    pub rejected: Vec<RejectedStructure>,
-}
-
-impl Structure {
-    /// Adds what the map of the residual shows. Of a joint the larger is reported, unless what is reported already replaces a finding.
-    pub(crate) fn merge(&mut self, of_map: Structure) {
-        for mut shown in of_map.unexplained {
-            match self.unexplained.iter_mut().find(|left| left.joint == shown.joint) {
-                None => self.unexplained.push(shown),
-                Some(left) if left.instead_of.is_empty() && left.share < shown.share => {
-                    shown.certain |= left.certain;
-                    *left = shown;
-                }
-                Some(_) => {}
-            }
-        }
-        self.rejected.extend(of_map.rejected);
-    }
-}
-
-impl Extend<Structure> for Structure {
-    fn extend<T: IntoIterator<Item = Structure>>(&mut self, more: T) {
-        for Structure { unexplained, rejected } in more {
-            self.unexplained.extend(unexplained);
-            self.rejected.extend(rejected);
-        }
-    }
-}
-
-/// A member of the model that structure replaces.
-///
-/// ```
-/// # extern crate tauscope_core as tauscope;
-/// use tauscope::diagnosis::{Diagnosis, Replaced};
-///
-/// // Findings that structure withdraws: it explains what they were named for.
-/// fn withdrawn(diagnosis: &Diagnosis) -> Vec<&'static str> {
-///     let replaced = diagnosis.unexplained.iter().flat_map(|left| &left.instead_of);
-///     let name = |Replaced { place, .. }: &Replaced| diagnosis.found[*place].member.placed.effect.about().name;
-///     replaced.map(name).collect()
-/// }
-/// ```
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Replaced {
-    /// Its place in the model.
-    pub place: usize,
-    /// Share of what it explains by itself that the structure explains beyond it.
-    pub beyond: f64,
-}
 
 /// Whether a member may turn out to be structure of `joint`: it sits there alone, and is not shown by its impacts, which the rows do not
 /// show.
@@ -396,7 +282,7 @@ impl<'a> Fitted<'a> {
         Ok(Unexplained { joint, share, structure, family_wise_p: Some(family_wise_p), certain, instead_of, passed })
     }
 
-    /// Evidence of the held-out rows for a block that goes with time: fitted to them by themselves, as far as the model leaves it. Rows
+    /// Evidence of the held-out rows for a block that goes with time: fitted to the residual of these alone. Rows
     /// that do not determine it show nothing.
     fn seen_again(&self, under: &Under, again: &Block) -> Again {
         let PreparedLogs { test, .. } = &self.session.logs;

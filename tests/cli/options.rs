@@ -248,7 +248,8 @@ fn defaults_of_a_diagnosis_agree() {
     let python = std::fs::read_to_string(format!("{ROOT}/python/tauscope/_commands.py")).unwrap();
     let signature = between(&python, "\ndef diagnose(", "\n) -> ");
     for (name, default) in defaults {
-        let by_command = between(between(&help, &format!("--{} ", name.replace('_', "-")), "\n      --"), "[default: ", "]");
+        let by_command =
+            between(between(&help, &format!("--{} ", name.replace('_', "-")), "\n      --"), "[default: ", "]");
         assert_eq!(by_command, default, "--{name}");
         let argument = between(signature, &format!("\n    {name}: "), ",\n");
         let by_python = between(&format!("{argument}\n"), " = ", "\n").trim_matches('"').to_owned();

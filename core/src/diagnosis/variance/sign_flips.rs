@@ -6,7 +6,7 @@
 //! keeps its level where those of the full model are smaller than the noise: Cameron, Gelbach and Miller, 2008).
 //!
 //! A fit with more columns than there are blocks takes much of the noise in each, most of what is slow. So the residual of a block is
-//! scaled up by the inverse root of the share that the fit leaves of it (CR2: Bell and McCaffrey, 2002) before signs are flipped.
+//! multiplied by the inverse square root of its block of the residual maker I - H (CR2: Bell and McCaffrey, 2002) before signs are flipped.
 
 use super::design::Design;
 use super::mixed::{Fit, Posterior};
@@ -69,7 +69,7 @@ struct Null<'a> {
     noise: f64,
     posterior: Option<Posterior>,
     blocks: &'a [Range<usize>],
-    /// What the fit leaves of the torque.
+    /// Residual of the torque.
     residual: DVector<f64>,
     /// The same block by block, as large as the noise is.
     scaled: DVector<f64>,
@@ -105,7 +105,7 @@ impl<'a> Null<'a> {
     }
 }
 
-/// What the model leaves of columns from which the fixed ones are projected out.
+/// Residuals of columns from which the fixed ones are projected out.
 fn left(design: &Design, posterior: Option<&Posterior>, noise: f64, columns: &DMatrix<f64>) -> DMatrix<f64> {
     posterior.map_or_else(|| columns.clone(), |posterior| posterior.residual_of(design, columns, noise))
 }

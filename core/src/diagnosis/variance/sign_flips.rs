@@ -1,9 +1,10 @@
 //! Score tests of variance components under flipped signs.
 //!
-//! The score of a component is `g = Z_k' P y`, a sum over rows. Under the null hypothesis its parts from blocks of time longer than the
-//! noise remembers are independent and as likely of either sign: flipping the signs of whole blocks at random draws the score, whatever
-//! the spectrum, the scale and the changes of scale of the noise (wild cluster bootstrap with residuals under the null hypothesis, which
-//! keeps its level where those of the full model are smaller than the noise: Cameron, Gelbach and Miller, 2008).
+//! The score of a component is `g = Z_k' P y`, a sum over rows, of which each block of time has a part. If blocks are longer than the noise
+//! remembers, these parts are independent and as likely of either sign under the null hypothesis. Flipping the signs of whole blocks at
+//! random then draws the score, whatever the spectrum, the scale and the changes of scale of the noise. This is the wild cluster bootstrap
+//! with residuals under the null hypothesis (Cameron, Gelbach and Miller, 2008). It keeps its level where residuals of the full model are
+//! smaller than the noise.
 //!
 //! A fit with more columns than there are blocks takes much of the noise in each, most of what is slow. So the residual of a block is
 //! multiplied by the inverse square root of its block of the residual maker I - H (CR2: Bell and McCaffrey, 2002) before signs are flipped.

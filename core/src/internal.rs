@@ -11,7 +11,7 @@ pub mod design {
 }
 
 pub mod diagnosis {
-    pub use crate::diagnosis::answer::notices::{effort, remedy, shown, with_unit};
+    pub use crate::diagnosis::answer::words::notices::{effort, remedy, shown, with_unit};
     pub use crate::diagnosis::answer::{NOT_SIZED, finding, findings, joints};
     pub use crate::diagnosis::model::{DataSet, Session, is_candidate, is_level, places};
     pub use crate::diagnosis::noise::Whitener;

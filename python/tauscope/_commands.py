@@ -24,7 +24,7 @@ def diagnose(
     scenario: Scenario | None = None,
     trust: str = "structure",
     alpha: float = 0.05,
-    max_findings: int = 12,
+    max_findings: int = 24,
     candidates: Sequence[str] | None = None,
     least_share: float = 2.0,
     budget: float | str | None = None,

@@ -159,6 +159,7 @@ fn help_of_every_command() {
         "payload",
         "blind",
         "montecarlo",
+        "montecarlo merge",
         "check",
         "robot",
         "view",
@@ -166,10 +167,10 @@ fn help_of_every_command() {
     ];
     for command in commands {
         let mut tauscope = Command::new(env!("CARGO_BIN_EXE_tauscope"));
-        tauscope.args([command].iter().filter(|command| !command.is_empty())).arg("--help").env_remove("COLUMNS");
+        tauscope.args(command.split_whitespace()).arg("--help").env_remove("COLUMNS");
         let help = printed(&tauscope.output().unwrap());
         assert!(help.contains("Example:\n  tauscope "), "{command} has no example");
-        let name = if command.is_empty() { "help".to_owned() } else { format!("help_{command}") };
+        let name = if command.is_empty() { "help".to_owned() } else { format!("help_{}", command.replace(' ', "_")) };
         settings().bind(|| insta::assert_snapshot!(name, help));
     }
 }

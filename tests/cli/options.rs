@@ -2,6 +2,8 @@
 
 use super::{Case, ROOT, assert_done, assert_refusal, names, text};
 use std::process::Command;
+use tauscope::diagnosis::Options;
+use tauscope::identification::effect_model::Trust;
 
 const FILES: &[&str] = &[
     "held_out.csv",
@@ -219,4 +221,42 @@ fn output_that_nobody_reads() {
         let output = case.bash("exec \"$TAUSCOPE\" run none.toml 2> /dev/full");
         assert_eq!(output.status.code(), Some(2));
     }
+}
+
+/// The text between two others.
+fn between<'a>(text: &'a str, from: &str, to: &str) -> &'a str {
+    let (_, after) = text.split_once(from).unwrap_or_else(|| panic!("{from} is not in {text}"));
+    after.split_once(to).unwrap_or_else(|| panic!("no {to} after {from}")).0
+}
+
+/// The library, the command and Python ask the same question where nothing is said.
+#[test]
+fn defaults_of_a_diagnosis_agree() {
+    let Options { trust, alpha, max_findings, seed, candidates, criteria } = Options::default();
+    let share = criteria.share_of_torque * 100.0;
+    let trust = match trust {
+        Trust::Nominal => "nominal",
+        Trust::Structure => "structure",
+    };
+    let defaults = [
+        ("trust", trust.to_owned()),
+        ("alpha", alpha.to_string()),
+        ("max_findings", max_findings.to_string()),
+        ("least_share", share.to_string()),
+    ];
+    let help = std::fs::read_to_string(format!("{ROOT}/tests/cli/snapshots/help_diagnose.snap")).unwrap();
+    let python = std::fs::read_to_string(format!("{ROOT}/python/tauscope/_commands.py")).unwrap();
+    let signature = between(&python, "\ndef diagnose(", "\n) -> ");
+    for (name, default) in defaults {
+        let by_command =
+            between(between(&help, &format!("--{} ", name.replace('_', "-")), "\n      --"), "[default: ", "]");
+        assert_eq!(by_command, default, "--{name}");
+        let argument = between(signature, &format!("\n    {name}: "), ",\n");
+        let by_python = between(&format!("{argument}\n"), " = ", "\n").trim_matches('"').to_owned();
+        let same = by_python == default || by_python.parse::<f64>().is_ok_and(|number| Ok(number) == default.parse());
+        assert!(same, "{name} of Python: {by_python}, not {default}");
+    }
+    // All of the library, and the seed that the help names.
+    assert!(candidates.is_empty() && signature.contains("\n    candidates: Sequence[str] | None = None,"));
+    assert!(seed == 0 && help.contains("diagnose: 0)") && signature.contains("\n    seed: int | None = None,"));
 }

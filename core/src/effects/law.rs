@@ -2,6 +2,7 @@
 
 use super::about::{About, Parameter};
 use super::gear::Gear;
+use super::limit::Limit;
 use super::search::{Derived, DriveParameter, Search};
 use crate::dynamics::Chain;
 use crate::robot::{Pose, Robot};
@@ -160,10 +161,16 @@ pub trait Effect: Sync {
         true
     }
 
-    /// Whether it leaves an arm that can be.
-    fn is_believable(&self, p: &[f64], joint: usize, robot: &Robot) -> bool {
+    /// What a machine can have of it, beyond the bounds of its parameters: the limits that [`Effect::over_limit`] takes.
+    fn limits(&self) -> &'static [Limit] {
+        &[]
+    }
+
+    /// How far it is from what a machine can have: the largest of its quantities over their limits ([`Limit::over`]). At most one for what
+    /// can be, infinite where a quantity has a sign that it cannot have.
+    fn over_limit(&self, p: &[f64], joint: usize, robot: &Robot) -> f64 {
         let _ = (p, joint, robot);
-        true
+        0.0
     }
 
     /// Largest share that it can have, in root mean square, of its joint's torque, which where the drive idles is taken for a share of the

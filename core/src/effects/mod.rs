@@ -14,6 +14,7 @@
 //! | what a law does | `law` |
 //! | how a fit searches its parameters, and what is known of them beforehand | `search` |
 //! | the values at which it does so | `grid` |
+//! | what a machine can have of it | `limit` |
 //! | an effect on a joint | `placed` |
 //! | all effects by name | `catalogue` |
 //! | the laws | `friction`, `bodies`, `gears`, `signals` |
@@ -32,6 +33,7 @@ mod gear_train;
 mod gears;
 mod grid;
 mod law;
+mod limit;
 mod placed;
 mod rounding;
 mod search;
@@ -56,6 +58,7 @@ pub(crate) use gear_train::{GearTrain, behind_gears, unsmoothed};
 pub use gears::{Backlash, JointCoupling, JointElasticity};
 pub(crate) use grid::{Extent, as_size, moved};
 pub use law::{Effect, Instant};
+pub use limit::Limit;
 pub use placed::{Placed, joint};
 pub use rounding::Rounding;
 pub(crate) use search::varies_by_factors;

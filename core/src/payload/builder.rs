@@ -10,7 +10,7 @@ use super::load_columns::LoadColumns;
 use super::rows::LogRows;
 use super::shares::{shares, sized};
 use crate::error::{Error, Result};
-use crate::identification::equal_states::{EqualState, MATCHED, matched};
+use crate::identification::equal_states::{EqualState, matched};
 use crate::identification::equations::{no_torque, with_torque};
 use crate::identification::model::Model;
 use crate::linear::root_mean_square;
@@ -26,6 +26,10 @@ const MOST_BLOCKS: f64 = 240.0;
 
 /// Fewest blocks that standard errors between them can come from.
 const FEWEST_BLOCKS: usize = 8;
+
+/// Share of the rows after a change that must have an equal state before, so that differences are worth while: below it they see
+/// only a part of the motion.
+const MATCHED: f64 = 0.5;
 
 /// Fewest rows of a joint that count.
 const FEWEST_ROWS: usize = 30;

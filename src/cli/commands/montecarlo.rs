@@ -60,6 +60,7 @@ pub(crate) struct Arguments {
 #[derive(Debug, clap::Subcommand)]
 enum Command {
     /// Join the parts of a study, after checking that no trial is missing or double.
+    #[command(after_help = "Example:\n  tauscope montecarlo merge study --out study/all")]
     Merge {
         /// Folders of the parts, or folders that contain them.
         #[arg(required = true, value_name = "DIR")]

@@ -33,8 +33,18 @@ fn thresholds(source: &str) -> Vec<Vec<String>> {
     found
 }
 
+/// Whether `source` makes a judgement field by field, so that value, threshold and what passes need not go together.
+fn is_made_by_hand(source: &str) -> bool {
+    let words = without_tests(&tokens(source));
+    let is_literal = |at: usize| {
+        let returned = at >= 2 && words[at - 2] == "-" && words[at - 1] == ">";
+        words[at] == "Judgement" && words.get(at + 1).is_some_and(|next| next == "{") && !returned
+    };
+    (0..words.len()).any(is_literal)
+}
+
 /// Source files below `folder`.
-fn sources(folder: &Path) -> Vec<PathBuf> {
+pub(super) fn sources(folder: &Path) -> Vec<PathBuf> {
     let entries = std::fs::read_dir(folder).expect("the sources can be read");
     let of_entry = |path: PathBuf| if path.is_dir() { sources(&path) } else { vec![path] };
     entries.flat_map(|entry| of_entry(entry.expect("the sources can be read").path())).collect()
@@ -59,13 +69,21 @@ fn thresholds_of_gates_are_criteria() {
     let files = sources(&root).into_iter().filter(|file| !file.starts_with(root.join("criteria")));
     let mut judgements = 0;
     for file in files {
-        for threshold in thresholds(&std::fs::read_to_string(&file).expect("it is text")) {
+        let source = std::fs::read_to_string(&file).expect("it is text");
+        assert!(!is_made_by_hand(&source), "{}: a judgement has constructors", file.display());
+        for threshold in thresholds(&source) {
             judgements += 1;
             let own = own_numbers(&threshold);
             assert!(own.is_empty(), "{}: a gate has a threshold of its own: {own:?}", file.display());
         }
     }
     assert!(judgements > 40, "{judgements}");
+}
+
+#[test]
+fn a_judgement_made_by_hand_is_found() {
+    assert!(is_made_by_hand("fn f() -> Judgement { Judgement { passed, ..other } }"));
+    assert!(!is_made_by_hand("fn f() -> Judgement { Judgement::above(gate, 1.0, 0.0) }"));
 }
 
 #[test]

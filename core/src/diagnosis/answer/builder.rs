@@ -143,7 +143,7 @@ impl<'a> DiagnosisBuilder<'a> {
         self
     }
 
-    /// Most effects that are reported. Default: 12.
+    /// Most effects that are reported. Default: 24.
     pub fn max_findings(mut self, count: usize) -> Self {
         self.options.max_findings = count;
         self

@@ -1,14 +1,16 @@
 //! The whole way from logs to the answer, and from the answer back to the simulator.
 
+use super::accounted::share_accounted_for;
+use super::described::as_described;
 use super::diagnosis::{self, Diagnosis, Errors, LogSummary, OfSampling, Scope, withdraw};
 use super::extended::ExtendedModel;
 use super::inertias::{self, Free, Gain, all_inertias};
 use super::not_found::{not_found, refused};
-use super::notices::{Sizes, next_experiment};
 use super::outcome::{Conclusion, Measured};
 use super::quantities::{Evidence, Residuals, derived, residual_structure};
 use super::resimulation::{Replay, joints_of};
 use super::searched::{Searched, found_that_matter, map_on};
+use super::words::{Sizes, next_experiment};
 use crate::channels::Channels;
 use crate::diagnosis::Options;
 use crate::diagnosis::criteria::Judgement;
@@ -17,7 +19,7 @@ use crate::diagnosis::logs::{Input, split};
 use crate::diagnosis::model::{DataSet, Known, Member, Session};
 use crate::diagnosis::noise::Whitener;
 use crate::diagnosis::preparation::prepare;
-use crate::diagnosis::regression::{Column, combined, rms};
+use crate::diagnosis::regression::{Column, rms};
 use crate::diagnosis::search::{Found, Rejected, Selection};
 use crate::diagnosis::variance::ResidualMap;
 use crate::diagnosis::watch::{Progress, Watch};
@@ -45,11 +47,11 @@ const SLOWEST: f64 = 0.5;
 pub(super) struct Concluded<'a> {
     /// The answer.
     pub(super) diagnosis: Diagnosis,
-    pub(super) session: Session<'a>,
+    session: Session<'a>,
     present: Vec<Placed>,
-    pub(super) members: Vec<Member>,
-    pub(super) whitener: Whitener,
-    pub(super) first_whitener: Whitener,
+    members: Vec<Member>,
+    whitener: Whitener,
+    first_whitener: Whitener,
     seed: u64,
 }
 
@@ -164,28 +166,6 @@ fn residual_map(session: &Session, options: &Options) -> Result<ResidualMap> {
     map_on(&all, &all.logs.train, &[], options)
 }
 
-/// Residual of the arm as described, with the effects that the simulation has, on the held-out logs.
-fn as_described(session: &Session, present: &[Placed]) -> Result<Column> {
-    let (rows, robot) = (&session.logs.test.rows, session.model.base.robot());
-    let mut residual = Column::new(rows.torque.iter().cloned());
-    let described = Arm::new(robot, Trust::Nominal);
-    residual.add(-1.0, &described.described_torque(rows));
-    let baseline = described.baseline(session.model.base, rows);
-    residual.add(-1.0, &combined(&baseline, &drives(session.model.base, robot)));
-    for torque in described.added_throughout(present, rows)? {
-        residual.add(-1.0, &torque);
-    }
-    Ok(residual)
-}
-
-/// Friction and rotors of the URDF in the order of a trusted arm's baseline.
-fn drives(model: &Model, robot: &Robot) -> Vec<f64> {
-    let standard = Model::standard_values(robot);
-    let friction = (0..model.base().len()).filter(|&b| model.is_friction(b)).map(|b| standard[model.base().kept()[b]]);
-    let rotors = robot.joints.iter().enumerate().filter(|(joint, _)| model.has_equation(*joint));
-    friction.chain(rotors.map(|(_, joint)| joint.drive.armature)).collect()
-}
-
 /// What is known besides the result of the search.
 struct Circumstances {
     /// Residual of the arm as described on the held-out logs.
@@ -248,10 +228,11 @@ fn answer<'a>(
     let model = (members.as_slice(), &whitener);
     // What a search that was ended has not looked for is no disagreement.
     let disagreement = match unfinished {
-        true => Vec::new(),
+        true => Structure::default(),
         false => disagreement(&session, model, [&trained, &extended], &baseline, &prediction_std)?,
     };
-    for other in disagreement {
+    rejected_structure.extend(disagreement.rejected);
+    for other in disagreement.unexplained {
         unexplained.retain(|left| left.joint != other.joint || !left.instead_of.is_empty());
         unexplained.push(other);
     }
@@ -364,7 +345,10 @@ impl Concluded<'_> {
     /// # Errors
     /// If a log is too short to differentiate.
     pub(super) fn into_conclusion(self, train: &[&Recording], truth: &[Placed]) -> Result<Conclusion> {
-        let accounted_for = if truth.is_empty() { None } else { Some(self.share_accounted_for(truth)?) };
+        let extended = (self.members.as_slice(), &self.whitener);
+        let noise = &self.diagnosis.errors.noise_floor;
+        let share = || share_accounted_for(&self.session, truth, &self.first_whitener, extended, noise);
+        let accounted_for = if truth.is_empty() { None } else { Some(share()?) };
         let measured = self.measured(train);
         let extended = ExtendedModel::new(&self.session, &self.members, &self.whitener);
         let baseline = ExtendedModel::new(&self.session, &[], &self.first_whitener);

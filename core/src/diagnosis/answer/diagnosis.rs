@@ -248,7 +248,7 @@ pub(super) fn verdict(found: &[Found], inertias: bool, unexplained: &[Unexplaine
 
 /// Withdraws the findings that unexplained structure replaces, those on joints of which much stays unexplained with certainty, and those
 /// with which the held-out logs are predicted worse.
-/// `residuals` are the root mean squares that baseline and extended model leave of the held-out logs, `noise` the floor's,
+/// `residuals` are the root mean squares of the held-out residuals of baseline and extended model, `noise` the floor's,
 /// `[joint]`. What impacts show does not rest on residuals and stays.
 pub(super) fn withdraw(
     found: &mut [Found],
@@ -310,13 +310,17 @@ pub(super) fn beyond_sampling(session: &Session, found: &Found, noise: &[f64]) -
     if !matches!(placed.effect.about().nature, Nature::Delay | Nature::Lag) {
         return Ok(None);
     }
-    let Criteria { levels, verdict, .. } = &session.criteria;
-    let time_s = placed.amount().abs();
     let test = &session.logs.test.rows;
     let added = session.model.arm.added_throughout(std::slice::from_ref(placed), test)?;
     let size = rms(&test.valid, &added[0]).iter().zip(noise).map(|(added, noise)| added / noise).fold(0.0, f64::max);
+    Ok(Some(exceeds_sampling(placed.amount().abs(), session.sample_s(), size, &session.criteria)))
+}
+
+/// Whether a time, s, is more than that of a sample, or more than sampling makes and its torque, of a `size` over the noise, no less than
+/// that.
+fn exceeds_sampling(time_s: f64, sample_s: f64, size: f64, Criteria { levels, verdict, .. }: &Criteria) -> Judgement {
     let is_felt = time_s > verdict.sampling_s && size >= levels.bound_std;
-    Ok(Some(Judgement::above(Gate::Sampling, time_s / session.sample_s(), 1.0).or(is_felt)))
+    Judgement::above(Gate::Sampling, time_s / sample_s, 1.0).or(is_felt)
 }
 
 #[cfg(test)]
@@ -326,7 +330,17 @@ mod tests {
     use crate::diagnosis::search::Accepted;
     use crate::effects::{Placed, find};
 
-    /// A spring on the first joint that leaves so much of two joints, before and after.
+    #[test]
+    fn either_side_of_what_sampling_makes() {
+        let criteria = Criteria::default();
+        let exceeds = |time_s: f64, size: f64| exceeds_sampling(time_s, 5e-3, size, &criteria).passed;
+        // By the sample; or by half a servo cycle and the noise together.
+        assert!(exceeds(5e-3 + 1e-9, 0.0) && !exceeds(5e-3, 0.0));
+        let (longest, noise) = (criteria.verdict.sampling_s, criteria.levels.bound_std);
+        assert!(exceeds(longest + 1e-9, noise) && !exceeds(longest, noise) && !exceeds(longest + 1e-9, noise - 1e-9));
+    }
+
+    /// A spring on the first joint with held-out residuals of two joints, before and after.
     fn spring(before: [f64; 2], after: [f64; 2]) -> Found {
         let placed = Placed::typical(find("joint_spring").unwrap(), 0);
         let member = Member::new(&Candidate { placed, log: None, columns: Default::default() }, &[]);

@@ -1,10 +1,9 @@
 //! The content of `diagnosis.json`.
 
 use super::diagnosis::Diagnosis;
-use super::findings::{Finding, NamedParameter, finding, findings, joints, law_of_inertias};
-use super::notices;
 use super::outcome::{Answer, Conclusion};
 use super::quantities::{ResidualStructure, Share};
+use super::words::{Finding, NamedParameter, finding, findings, joints, law_of_inertias, notices};
 use crate::diagnosis::criteria::{Criteria, Judgement, Levels};
 use crate::diagnosis::logs::{Consequence, DataFault};
 use crate::diagnosis::relevance::Minor;

@@ -91,9 +91,7 @@ pub(super) fn all_inertias<'a>(
     if watch.is_over() {
         return Ok(Outcome::NotAsked);
     }
-    let fewer = Judgement::below(Gate::InertiasFindings, free.found.len() as f64, selection.found.len() as f64);
-    let simpler =
-        [Judgement::at_most(Gate::InertiasUnexplained, left_free as f64, left as f64), fewer.or(left_free < left)];
+    let simpler = are_simpler([left, left_free], [selection.found.len(), free.found.len()]);
     if let Some(failed) = Judgement::first_failed(simpler) {
         return Ok(Outcome::Refused(failed));
     }
@@ -115,7 +113,33 @@ pub(super) fn all_inertias<'a>(
     })
 }
 
+/// Whether estimated inertias need less to explain the logs than trusted ones, by the joints with unexplained structure and by the effects
+/// found, with trusted inertias first.
+fn are_simpler(unexplained: [usize; 2], found: [usize; 2]) -> [Judgement; 2] {
+    let [[left, left_free], [found, found_free]] = [unexplained, found].map(|counts| counts.map(|count| count as f64));
+    [
+        Judgement::at_most(Gate::InertiasUnexplained, left_free, left),
+        Judgement::below(Gate::InertiasFindings, found_free, found).or(left_free < left),
+    ]
+}
+
 /// Number of joints with unexplained structure that is certain.
 fn certain(unexplained: &[Unexplained]) -> usize {
     unexplained.iter().filter(|left| left.certain).count()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn estimated_inertias_leave_less_or_need_fewer_effects() {
+        let failed = |unexplained: [usize; 2], found: [usize; 2]| {
+            Judgement::first_failed(are_simpler(unexplained, found)).map(|failed| failed.gate)
+        };
+        assert_eq!(failed([2, 2], [5, 4]), None);
+        assert_eq!(failed([2, 2], [5, 5]), Some(Gate::InertiasFindings));
+        assert_eq!(failed([2, 1], [5, 5]), None);
+        assert_eq!(failed([2, 3], [5, 0]), Some(Gate::InertiasUnexplained));
+    }
 }

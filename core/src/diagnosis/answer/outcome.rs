@@ -2,8 +2,8 @@
 
 use super::diagnosis::Diagnosis;
 use super::extended::ExtendedModel;
-use super::findings::{Finding, findings};
 use super::resimulation::{Replay, Resimulation, Simulator};
+use super::words::{Finding, findings};
 use crate::diagnosis::logs::{CleanLogs, Consequence, DataFault};
 use crate::diagnosis::search::Verdict;
 use crate::error::{Error, Result};

@@ -1,11 +1,12 @@
 //! The thresholds as `diagnosis.json` holds them.
 
 use super::thresholds::Criteria;
+use crate::effects::{Effect, LIBRARY};
 use serde_json::{Map, Value, json};
 
 impl Criteria {
     /// The thresholds as `diagnosis.json` holds them: each that several questions share stands also where every question had its own, since
-    /// fields of a schema are not renamed.
+    /// fields of a schema are not renamed. With them are the limits that laws have of their own.
     pub(crate) fn to_document(self) -> Value {
         document(&self)
     }
@@ -114,6 +115,7 @@ fn document(criteria: &Criteria) -> Value {
         ),
     ];
     let mut document = json!(criteria);
+    document["effects"] = limits_of_effects();
     for (place, fields) in shared {
         let own = fields.iter().map(|(name, value)| ((*name).to_owned(), (*value).clone()));
         if let Some(Value::Object(object)) = document.pointer_mut(place) {
@@ -121,6 +123,16 @@ fn document(criteria: &Criteria) -> Value {
         }
     }
     document
+}
+
+/// What a machine can have of those laws that hold it themselves, beyond the bounds of their parameters.
+fn limits_of_effects() -> Value {
+    let of_effect = |effect: &&dyn Effect| {
+        let (share, limits) = (effect.largest_share(), effect.limits());
+        let has_any = share.is_some() || !limits.is_empty();
+        has_any.then(|| json!({"effect": effect.about().name, "largest_share": share, "limits": limits}))
+    };
+    LIBRARY.iter().filter_map(of_effect).collect()
 }
 
 #[cfg(test)]
@@ -136,6 +148,12 @@ mod tests {
         assert_eq!(at("/search/influence_p"), json!([0.01, 0.05]));
         assert_eq!(at("/comparison/criterion_gap"), json!(6.0));
         assert_eq!([at("/strength_p"), at("/levels/strict_p")], [json!(0.01), json!(0.01)]);
+        let laws = at("/effects");
+        let law = |name: &str| laws.as_array().unwrap().iter().find(|law| law["effect"] == name).cloned();
+        let gap = json!([{"quantity": "half_gap, rad or m", "least": 5e-6}]);
+        assert_eq!(law("backlash"), Some(json!({"effect": "backlash", "largest_share": null, "limits": gap})));
+        assert_eq!(law("joint_spring").unwrap()["largest_share"], json!(0.5));
+        assert_eq!(law("viscous_friction"), None);
         // Chi-square of one degree of freedom at 1 %, and the tail beyond one standard deviation, from tables.
         assert!((at("/search/at_bound").as_f64().unwrap() - 6.634_896_601).abs() < 1e-6);
         assert!((at("/worse_p").as_f64().unwrap() - 0.158_655_254).abs() < 1e-8);

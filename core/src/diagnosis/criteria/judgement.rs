@@ -31,7 +31,8 @@ pub enum Gate {
     EarlierSigns,
     /// It leaves the parameters of earlier findings identifiable: number of those that the logs determine without it and not with it.
     EarlierParameters,
-    /// Its gain on held-out logs: lower bound (84 %) of the share of the residual that it explains.
+    /// Its gain on held-out logs: share of the residual that it explains, its lower bound (84 %), or its upper one where it takes the place of
+    /// other findings.
     HeldOutGain,
     /// p-value of training and held-out logs together.
     Confirmation,
@@ -39,8 +40,8 @@ pub enum Gate {
     OtherLogs,
     /// The residual of its joints is the noise: over the noise, on the worst one.
     Misfit,
-    /// A machine can have it with the parameters of the fit of all findings together: 1 where none can, as at the search each had to be
-    /// possible with what was found before it.
+    /// A machine can have it, at the search with what was found before it and in the end with all findings: its largest value over the
+    /// limit of that value, infinite where a value has a sign that none can have.
     Believable,
     /// Its amplitudes are within the bounds of its law: standard deviations by which one is beyond.
     WithinBounds,
@@ -62,6 +63,9 @@ pub enum Gate {
     BeyondStructure,
     /// The others do not make it superfluous: its p-value with them in the model.
     Needed,
+    /// It explains about as much as the two findings whose place it would take: half of what the statistic loses over the number of
+    /// parameters fewer (Akaike's criterion).
+    Parsimony,
     /// Structure that no law explains does not replace it: share of what it explains that such structure explains beyond it.
     Replaced,
     /// It explains most of a joint of which structure stays unexplained with certainty: share of the held-out excess over the noise.
@@ -123,6 +127,7 @@ impl Gate {
             Gate::EveryJoint => "makes a joint's held-out prediction worse",
             Gate::BeyondStructure => "explains no more than generic functions do",
             Gate::Needed => "is superfluous with the other findings in the model",
+            Gate::Parsimony => "explains less than the two findings whose place it would take",
             Gate::Replaced => "explains nothing beyond structure that no law explains",
             Gate::Explained => "explains a part only, with unexplained structure left",
             Gate::Predicts => "fits the training logs and not the held-out logs",

@@ -26,14 +26,13 @@ pub struct SearchCriteria {
     pub pooled: f64,
     /// Share of alpha for gears with play that impacts show.
     pub impacts: f64,
-    /// Factor on alpha for what held-out logs cannot confirm: an event in one log, impacts of gears whose load changes no sign there,
-    /// gears, which act where smoothed positions err most, around reversals and jerks, and torque saturation, which shows in rows in which
-    /// the model's torque is extreme, as its error is. From the same factor on held-out logs need only not contradict what training logs
-    /// show.
+    /// Factor on alpha for what held-out logs cannot confirm. That is an event in one log, and impacts of gears whose load changes no sign in
+    /// the held-out logs. Gears act where smoothed positions err most, around reversals and jerks. Torque saturation shows in rows in which
+    /// the model's torque is extreme, as its error is. Below the same factor held-out logs need only not contradict what training logs show.
     pub unconfirmable: f64,
-    /// Factor on alpha for what is hidden or imitated in part: friction that builds up after reversals, near which smoothed positions err
-    /// most; a second law of friction over speed on one joint, since books write such curves in many forms and none is that of a gear; what
-    /// base parameters hide in part, since the little that remains is also what smoothed positions make of the part that is hidden.
+    /// Factor on alpha for what is hidden or imitated in part. Friction that builds up after reversals acts where smoothed positions err
+    /// most. A second law of friction over speed on one joint fits the residual of the first, since books write such curves in many forms.
+    /// Of what base parameters hide in part, smoothed positions make the little that remains, too.
     pub in_part: f64,
     /// Least share of the residual that a candidate must explain where the residual is well above the noise: there all that is small
     /// fits a little.

@@ -100,8 +100,9 @@ fn happens_anywhere(candidate: &Candidate) -> bool {
 /// left with them, as far as they are slow themselves.
 ///
 /// White noise has as much in each cosine; where the whitening knows the slow noise badly there is more, and the number of
-/// cosines limits how well that is known. A sum of cosines that is nearly a column of the fit holds no information: what the fit leaves of
-/// it is what that column has beyond slow motion, the noise of the encoders above all, which is in the torque that the fit leaves too.
+/// cosines limits how well that is known. A sum of cosines that is nearly a column of the fit holds no information: its
+/// residual is what that column has beyond slow motion. That is the noise of the encoders above all, which is in the residual of the torque
+/// too.
 pub(crate) fn against_slow_noise(
     rows: &Rows,
     whitener: &Whitener,

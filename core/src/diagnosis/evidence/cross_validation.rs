@@ -1,11 +1,11 @@
-//! What a model leaves of each log when it is fitted to the others.
+//! Leave-one-log-out residuals: each log under the model as fitted to the others.
 
 use crate::diagnosis::model::{Member, Session};
 use crate::diagnosis::noise::Whitener;
 use crate::diagnosis::regression::Column;
 use crate::error::Result;
 
-/// What the model with `members` leaves of every log that is identified from, fitted to all the others.
+/// Residual of every log that is identified from, under the model with `members` as fitted to all the others.
 ///
 /// # Errors
 /// If a log is too short to differentiate.

@@ -104,9 +104,14 @@ impl Gains {
         self.share() - levels.bound_std * self.std / self.before
     }
 
+    /// Upper bound of the share of the sum of squares that is gained.
+    pub(crate) fn upper_bound(&self, levels: &Levels) -> f64 {
+        self.share() + levels.bound_std * self.std / self.before
+    }
+
     /// Whether the rows contradict it: the upper bound of the gain is below zero.
     pub(crate) fn is_contradicted(&self, levels: &Levels) -> bool {
-        self.share() + levels.bound_std * self.std / self.before < 0.0
+        self.upper_bound(levels) < 0.0
     }
 
     /// Standard deviations by which the sum of squares grows, by its scatter between blocks (paired t); negative where it falls, zero

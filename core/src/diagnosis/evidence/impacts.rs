@@ -4,9 +4,8 @@
 //! the phase of their ringing. *Where* the jumps are shows their cause all the same: the innovations of the torque from sample
 //! to sample are ranked among all moments of the motion, and the ranks of those at which the load of one gear changes its
 //! sign are combined (Fisher 1925). Ranks need no noise model. Moments near reversals and standstill are excluded: dry
-//! friction jumps there.
+//! friction jumps there. How wide the play is follows from the time of flight through it (`flight`).
 
-use super::play::Play;
 use crate::channels::Channels;
 use crate::diagnosis::logs::{Log, Rows};
 use crate::diagnosis::regression::fisher;
@@ -25,7 +24,7 @@ const BEFORE_S: f64 = 0.01;
 const IMPACT_S: f64 = 0.01;
 
 /// Changes of sign closer than this are one, s.
-const APART_S: f64 = 0.05;
+pub(super) const APART_S: f64 = 0.05;
 
 /// Time around a reversal of any joint, a standstill of the arm, and at the ends of a log that plays no part, s.
 const REVERSAL_S: f64 = 0.06;
@@ -45,27 +44,15 @@ const ALIKE: f64 = 0.2;
 /// Rows that impacts disturb: before and after a change of sign, s.
 const DISTURBED_S: [f64; 2] = [0.02, 0.15];
 
-/// Share of the moments that hold an impact at most: the flight through the play is timed with those.
-const STRONGEST: f64 = 0.1;
-
-/// Longest flight through the play that is timed, s.
-const LONGEST_S: f64 = 0.15;
-
-/// Share of the largest jump at which the teeth have met, how much earlier they touched than that shows, and how uncertain
-/// that is, s; in addition to half a sample.
-const MET: f64 = 0.1;
-const EARLIER_S: f64 = 1.5e-3;
-const UNCERTAIN_S: f64 = 1.5e-3;
-
 /// One log as impacts show in it.
 #[derive(Debug)]
-struct Trace {
+pub(super) struct Trace {
     /// Number of the log among its kind.
-    log: usize,
+    pub(super) log: usize,
     /// Time between samples, s.
-    period: f64,
+    pub(super) period: f64,
     /// Squared innovations of the torque in units of the noise, mean over the joints.
-    new: Vec<f64>,
+    pub(super) new: Vec<f64>,
     /// The largest of their sums over an impact's length, in the time after each sample.
     largest: Vec<f64>,
     /// Samples that are used.
@@ -75,14 +62,14 @@ struct Trace {
     /// How much the loads change in the time after each sample.
     slew: Vec<f64>,
     /// Torque that each gear carries, `[joint][time]`, N m.
-    load: Channels,
+    pub(super) load: Channels,
     /// Residual of the torque, `[joint][time]`, N m.
-    left: Channels,
+    pub(super) left: Channels,
 }
 
 /// All logs of one kind as impacts show in them.
 #[derive(Debug)]
-pub(crate) struct Traces(Vec<Trace>);
+pub(crate) struct Traces(pub(super) Vec<Trace>);
 
 impl Traces {
     /// From the arm as found along logs; those from before a change are excluded.
@@ -134,35 +121,6 @@ impl Traces {
         let mean = sum / beyond.len().max(1) as f64;
         let scatter = beyond.iter().map(|value| (value - mean).powi(2)).sum::<f64>().sqrt();
         (sum - scatter) / all.max(f64::MIN_POSITIVE)
-    }
-
-    /// The play from the time in which it is crossed, between the change of sign and the meeting of the teeth. None where no
-    /// jump is strong enough to be timed, of `jump` times the noise in squares.
-    pub(crate) fn play(&self, joint: usize, arm: &Arm, rows: &Rows, jump: f64) -> Option<Play> {
-        let mut gaps = Vec::new();
-        let (mut changes, mut impacts) = (0, 0);
-        for trace in &self.0 {
-            let motion = &rows.logs[trace.log].motion;
-            for change in trace.changes(joint) {
-                let Some(rank) = trace.rank(change) else { continue };
-                changes += 1;
-                if rank > STRONGEST {
-                    continue;
-                }
-                impacts += 1;
-                let q: Vec<f64> = (0..rows.dof()).map(|other| motion.q.channel(other)[change]).collect();
-                let inertia = arm.inertia_about(joint, &q);
-                let inertia = Some(inertia).filter(|inertia| *inertia > 0.0);
-                gaps.extend(inertia.and_then(|inertia| trace.flight(joint, change, inertia, arm.rotor(joint), jump)));
-            }
-        }
-        gaps.sort_by(|a, b| a[0].total_cmp(&b[0]));
-        let middle = *gaps.get(gaps.len() / 2)?;
-        let mut apart: Vec<f64> = gaps.iter().map(|gap| (gap[0] - middle[0]).abs()).collect();
-        apart.sort_by(f64::total_cmp);
-        // Standard deviation of the median, with the scatter from the median absolute deviation.
-        let scatter = 1.2533 * 1.4826 * apart[apart.len() / 2] / (gaps.len() as f64).sqrt();
-        Some(Play { half_gap: middle[0], std: scatter.hypot(middle[1]), changes, impacts })
     }
 
     /// Leaves out the rows that impacts in a gear disturb, on every joint.
@@ -218,12 +176,12 @@ impl Trace {
         Some(Trace { log, period, new, largest, permitted, sorted, slew, load, left })
     }
 
-    fn samples(&self, seconds: f64) -> usize {
+    pub(super) fn samples(&self, seconds: f64) -> usize {
         samples_in(seconds, self.period)
     }
 
     /// First samples of the windows in which the load of a gear changes its sign.
-    fn changes(&self, joint: usize) -> Vec<usize> {
+    pub(super) fn changes(&self, joint: usize) -> Vec<usize> {
         let load = self.load.channel(joint);
         let (apart, lead) = (self.samples(APART_S), self.samples(BEFORE_S));
         let mut changes: Vec<usize> = Vec::new();
@@ -237,7 +195,7 @@ impl Trace {
     }
 
     /// Share of all moments after which the torque jumps as much as after this sample; None where it plays no part.
-    fn rank(&self, sample: usize) -> Option<f64> {
+    pub(super) fn rank(&self, sample: usize) -> Option<f64> {
         let least = self.largest[sample];
         let below = self.sorted.partition_point(|value| *value < least);
         let count = self.sorted.len() as f64;
@@ -262,35 +220,6 @@ impl Trace {
             (above + 1) as f64 / (count + 1) as f64
         };
         changes.into_iter().filter(|&change| self.permitted[change]).map(rank).collect()
-    }
-
-    /// Half the play that link and motor cross in the time to the meeting of the teeth, and what that time leaves uncertain,
-    /// rad. Meanwhile the load moves the link alone, and the motor has no more to carry: what torque it still has moves the
-    /// `rotor`, as far as it is known. A `jump` over the noise, in squares, ends the flight.
-    fn flight(&self, joint: usize, window: usize, inertia: f64, rotor: Option<f64>, jump: f64) -> Option<[f64; 2]> {
-        let load = self.load.channel(joint);
-        let start = (window + 1..load.len()).find(|&k| load[k - 1] * load[k] < 0.0)?;
-        let end = (start + self.samples(LONGEST_S)).min(self.new.len());
-        let peak = self.new[start..end].iter().fold(0.0, |m: f64, v| m.max(*v));
-        if peak < jump {
-            return None;
-        }
-        let met = self.new[start..end].iter().position(|value| *value > MET * peak)?;
-        let uncertain = UNCERTAIN_S + 0.5 * self.period;
-        // Of a flight too short to be timed only so much is known.
-        let time = (met as f64 * self.period - EARLIER_S - 0.5 * self.period).max(uncertain);
-        let (mut speed, mut way) = (0.0, 0.0);
-        let side = load[start].signum();
-        let left = self.left.channel(joint);
-        let before = &left[start - self.samples(APART_S).min(start)..start];
-        let usual = before.iter().sum::<f64>() / before.len().max(1) as f64;
-        for k in start..(start + (time / self.period).round() as usize).min(end) {
-            let of_motor = rotor.map_or(0.0, |rotor| (load[k] + left[k] - usual) / rotor);
-            speed += side * (load[k] / inertia + of_motor) * self.period;
-            way += speed * self.period;
-        }
-        // The way grows with the third power of the time.
-        (way > 0.0).then(|| [0.5 * way, 0.5 * way * ((1.0 + uncertain / time).powi(3) - 1.0)])
     }
 }
 
@@ -378,7 +307,7 @@ fn moving(log: &Log) -> Vec<bool> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use crate::random;
     use rand_distr::{Distribution, StandardNormal};
@@ -387,7 +316,7 @@ mod tests {
 
     /// Twenty seconds of noise in which the first of two gears, whose loads change signs at different times, hits its teeth
     /// this hard 20 ms after each change.
-    fn hit(seed: u64, hardness: f64) -> Traces {
+    pub(in crate::diagnosis::evidence) fn hit(seed: u64, hardness: f64) -> Traces {
         let mut source = random::stream(seed, "impacts", 0);
         let wave = |hz: f64, phase: f64| -> Vec<f64> {
             (0..10_000).map(|k| (std::f64::consts::TAU * hz * f64::from(k) * PERIOD + phase).sin()).collect()
@@ -445,20 +374,6 @@ mod tests {
         assert!(traces.log_p(0, &[]) < -10.0 && traces.log_p_among_alike(0) > -5.0, "{traces:?}");
         let hit = hit(1, 200.0);
         assert!(hit.log_p_among_alike(0) < -10.0 && hit.log_p_among_alike(1) > -5.0);
-    }
-
-    #[test]
-    fn the_play_is_what_the_link_falls_through() {
-        // A load of 2 pi 0.31 t behind 0.5 kg m2 takes t^3 2 pi 0.31 / (6 * 0.5) to either side in t = 20 ms.
-        let traces = hit(2, 1e4);
-        let change = traces.0[0].changes(0)[3];
-        let [gap, std] = traces.0[0].flight(0, change, 0.5, None, 10.0).unwrap();
-        let time: f64 = 0.02 - EARLIER_S;
-        let expected = 0.5 * time.powi(3) * std::f64::consts::TAU * 0.31 / (6.0 * 0.5);
-        assert!((gap - expected).abs() < 2.0 * std && std < 0.5 * gap, "{gap} +- {std}, {expected}");
-        // A motor that keeps its torque is thrown the other way: with a rotor as heavy as the link twice the play is crossed.
-        let [both, _] = traces.0[0].flight(0, change, 0.5, Some(0.5), 10.0).unwrap();
-        assert!((both / gap - 2.0).abs() < 1e-9, "{both} {gap}");
     }
 
     #[test]

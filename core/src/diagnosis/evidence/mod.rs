@@ -8,6 +8,7 @@ mod adjusted;
 mod blocks;
 mod bounds;
 mod cross_validation;
+mod flight;
 mod generic;
 mod held_out;
 mod impacts;

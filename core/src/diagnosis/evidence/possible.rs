@@ -42,10 +42,11 @@ impl Session<'_> {
         let judgements = estimates.filter_map(|(index, (value, std))| {
             let Parameter { lower, upper, role, .. } = effect.parameters()[index];
             let either_way = change && role == Role::Amplitude;
-            let passed = value + far * std >= lower && value - far * std <= upper;
+            // One without a finite standard deviation may lie anywhere.
+            let within = value + far * std >= lower && value - far * std <= upper;
             let beyond = ((lower - value) / std).max((value - upper) / std);
-            (!either_way && !passed)
-                .then_some(Judgement { passed, ..Judgement::at_most(Gate::WithinBounds, beyond, far) })
+            let judgement = Judgement::at_most(Gate::WithinBounds, beyond, far).or(within);
+            (!either_way && !judgement.passed).then_some(judgement)
         });
         judgements.max_by(|a, b| a.value.total_cmp(&b.value))
     }
@@ -64,8 +65,9 @@ impl Session<'_> {
 
     /// Whether a machine can have a law with its parameters.
     pub(crate) fn believable(&self, Placed { effect, joint, parameters }: &Placed) -> Judgement {
-        let can_be = is_level(*effect) || effect.is_believable(parameters, *joint, self.model.base.robot());
-        Judgement::at_most(Gate::Believable, f64::from(u8::from(!can_be)), 0.0)
+        // At what torque a drive is cut off is its own.
+        let over = if is_level(*effect) { 0.0 } else { effect.over_limit(parameters, *joint, self.model.base.robot()) };
+        Judgement::at_most(Gate::Believable, over, 1.0)
     }
 
     /// The torque of an estimate over what can be of its joint's: on the valid rows, and for friction in all others too, to which a law that

@@ -1,7 +1,7 @@
 //! Residuals well above the noise whose cause no test indicates: of a search that was ended before it looked for their structure, and of
 //! logs in which structure is not separable from slow noise.
 
-use super::structure::Unexplained;
+use super::reported::Unexplained;
 use crate::diagnosis::criteria::{Criteria, Gate, Judgement, StructureCriteria};
 use crate::diagnosis::variance::{JointMap, ResidualMap};
 

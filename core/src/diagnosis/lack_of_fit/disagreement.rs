@@ -1,7 +1,7 @@
 //! Held-out logs that do not go with the training logs: of another arm, under another load, after something happened. Whatever is named
 //! from the training logs, they do not judge it.
 
-use super::structure::Unexplained;
+use super::reported::{RejectedStructure, Structure, Unexplained};
 use crate::diagnosis::criteria::{Criteria, Gate, Judgement};
 use crate::diagnosis::logs::Rows;
 use crate::diagnosis::model::{Member, Session};
@@ -13,17 +13,20 @@ use std::ops::Range;
 /// How such a joint is reported.
 pub const LOGS_DISAGREE: &str = "is in the held-out logs alone";
 
-/// Rows over which the residual is averaged: half a second. What smoothing of the positions does to steps of the motion averages out within less, and
-/// a load or another arm is there for longer.
+/// Rows over which the residual is averaged: half a second. What smoothing of the positions does to steps of the motion averages out within
+/// less, and a load or another arm is there for longer.
 const AVERAGED: usize = 25;
 
 /// Parts of the training rows that are left out one after the other: each is about as long as what is held out of a log.
 const PARTS: usize = 4;
 
-/// The joints on which the model with `members` leaves far more of the held-out rows than of the training rows, of its noise and of what it
-/// is unsure of (`prediction_std`, N m, `[joint]`), not much less than the `baseline` leaves of the held-out rows, and more than a fit
-/// without it leaves of any part of the training rows: what errors of the positions do to poorly excited parameters is in no standard
-/// deviation. Nor may one set of parameters fit all logs: then those that the training logs determine poorly differ from their estimates.
+/// The joints on which the held-out logs do not go with the training logs, by the residual of the model with `members` averaged over half a
+/// second. It must be far above that of the training rows, above the noise, far above the standard deviation of the prediction
+/// (`prediction_std`, N m, `[joint]`), and not much less than the residual of the `baseline`.
+///
+/// Two more gates follow. It must exceed the residual of each part of the training rows under a fit to the others: what errors of the
+/// positions do to poorly excited parameters is in no standard deviation. And no one set of parameters may fit all logs: if one does, the
+/// training logs determine some parameters poorly, and the held-out logs do not disagree. A joint that fails one of these is rejected.
 ///
 /// # Errors
 /// If a log is too short to differentiate.
@@ -33,7 +36,7 @@ pub(crate) fn disagreement(
     [trained, held_out]: [&Column; 2],
     baseline: &Column,
     prediction_std: &[f64],
-) -> Result<Vec<Unexplained>> {
+) -> Result<Structure> {
     let Criteria { levels, structure, .. } = &session.criteria;
     let noise = whitener.noise_std();
     let [train, test] = [(&session.logs.train.rows, trained), (&session.logs.test.rows, held_out)];
@@ -48,30 +51,32 @@ pub(crate) fn disagreement(
     };
     let apart: Vec<(usize, f64, f64, Judgement)> = (0..train.0.dof()).filter_map(on_joint).collect();
     if apart.is_empty() {
-        return Ok(Vec::new());
+        return Ok(Structure::default());
     }
     let left_out = parts_left_out(session, members, whitener)?;
     let together = fitted_together(session, members, whitener)?;
-    let unexplained = apart.into_iter().map(|(joint, held_out, expected, clear)| {
+    let mut found = Structure::default();
+    for (joint, held_out, expected, clear) in apart {
         let unlike_parts = Judgement::above(Gate::AboveExpected, held_out / left_out[joint], 1.0);
         let apart = Judgement::above(Gate::AboveExpected, together[joint] / expected, 1.0);
-        (joint, held_out, [clear, unlike_parts, apart])
-    });
-    Ok(unexplained
-        .filter(|(_, _, judgements)| Judgement::first_failed(*judgements).is_none())
-        .map(|(joint, held_out, passed)| Unexplained {
-            joint,
-            share: (held_out / rms(&test.0.valid, test.1)[joint]).powi(2).min(1.0),
-            structure: LOGS_DISAGREE,
-            family_wise_p: None,
-            certain: true,
-            instead_of: Vec::new(),
-            passed: passed.to_vec(),
-        })
-        .collect())
+        let (structure, passed) = (LOGS_DISAGREE, [clear, unlike_parts, apart]);
+        match Judgement::first_failed(passed) {
+            Some(failed) => found.rejected.push(RejectedStructure { joint, structure, failed }),
+            None => found.unexplained.push(Unexplained {
+                joint,
+                share: (held_out / rms(&test.0.valid, test.1)[joint]).powi(2).min(1.0),
+                structure,
+                family_wise_p: None,
+                certain: true,
+                instead_of: Vec::new(),
+                passed: passed.to_vec(),
+            }),
+        }
+    }
+    Ok(found)
 }
 
-/// The most that fits to the other parts leave of a part of the training rows, averaged like the residuals, `[joint]`, N m.
+/// The largest residual of a part of the training rows under a fit to the other parts, averaged likewise, `[joint]`, N m.
 fn parts_left_out(session: &Session, members: &[Member], whitener: &Whitener) -> Result<Vec<f64>> {
     let data = &session.logs.train;
     let columns = session.model.columns(data, members)?;
@@ -96,7 +101,7 @@ fn parts_left_out(session: &Session, members: &[Member], whitener: &Whitener) ->
     Ok(most)
 }
 
-/// What one set of parameters for all logs leaves of the training or of the held-out rows, whichever is more, averaged like the residuals,
+/// Residual of the training or of the held-out rows, whichever is larger, under one set of parameters for all logs, averaged likewise,
 /// `[joint]`, N m.
 fn fitted_together(session: &Session, members: &[Member], whitener: &Whitener) -> Result<Vec<f64>> {
     let all = session.over_all_logs();

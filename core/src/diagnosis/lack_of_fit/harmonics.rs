@@ -3,6 +3,7 @@
 use crate::diagnosis::logs::Rows;
 use crate::diagnosis::noise::Whitener;
 use crate::diagnosis::regression::{Column, log_survival};
+use crate::linear::{OrthonormalBasis, inner_product};
 use nalgebra::Complex;
 
 /// Orders that are tried, per turn, in steps that a motion of a few rad resolves.
@@ -147,31 +148,15 @@ fn power(rows: &Rows, places: &[usize], residual: Option<&[f64]>, signals: [&[f6
         if window.len() < FEWEST {
             continue;
         }
-        let mut basis: Vec<Vec<f64>> = Vec::new();
-        for (index, signal) in signals.into_iter().enumerate() {
-            let mut rest = signal[window.clone()].to_vec();
-            let norm = dot(&rest, &rest).sqrt();
-            for direction in &basis {
-                let along = dot(direction, &rest);
-                rest.iter_mut().zip(direction).for_each(|(x, d)| *x -= along * d);
-            }
-            let left = dot(&rest, &rest).sqrt();
-            if left <= SWINGS * norm || left.is_nan() {
-                continue;
-            }
-            rest.iter_mut().for_each(|x| *x /= left);
-            if index > 0 {
-                statistic += dot(&rest, &residual[window.clone()]).powi(2);
-                freedom += 1;
-            }
-            basis.push(rest);
+        let basis = OrthonormalBasis::new(&signals.map(|signal| &signal[window.clone()]), SWINGS);
+        // The first signal is the constant, which is adjusted for.
+        let waves = basis.kept.iter().zip(&basis.directions).filter(|(signal, _)| **signal > 0);
+        for (_, wave) in waves {
+            statistic += inner_product(wave, &residual[window.clone()]).powi(2);
+            freedom += 1;
         }
     }
     (freedom > 0).then_some(Power { order, statistic, freedom })
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 #[cfg(test)]

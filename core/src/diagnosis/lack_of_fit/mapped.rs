@@ -4,7 +4,7 @@
 //! noise. The tests of the mixed model need no noise spectrum.
 
 use super::above_noise::above_sensor;
-use super::structure::{RejectedStructure, Structure, Unexplained};
+use super::reported::{RejectedStructure, Structure, Unexplained};
 use crate::diagnosis::criteria::{Criteria, Gate, Judgement};
 use crate::diagnosis::variance::{JointMap, Kind, Line, ResidualMap};
 use crate::error::Result;
@@ -143,7 +143,7 @@ fn significant(own: &JointMap, joints: f64, highest_hz: f64, level: f64, criteri
 
 #[cfg(test)]
 mod tests {
-    use super::super::structure::Replaced;
+    use super::super::reported::Replaced;
     use super::*;
     use crate::diagnosis::variance::Part;
 

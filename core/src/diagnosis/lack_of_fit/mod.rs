@@ -8,6 +8,7 @@ mod condensed;
 mod disagreement;
 mod harmonics;
 mod mapped;
+mod reported;
 mod structure;
 mod unexplained;
 
@@ -15,6 +16,6 @@ pub(crate) use above_noise::{above_noise, not_separated};
 pub use disagreement::LOGS_DISAGREE;
 pub(crate) use disagreement::disagreement;
 pub(crate) use mapped::mapped;
-pub(crate) use structure::Structure;
-pub use structure::{RejectedStructure, Replaced, Unexplained};
+pub(crate) use reported::Structure;
+pub use reported::{RejectedStructure, Replaced, Unexplained};
 pub(crate) use unexplained::unexplained;

@@ -2,6 +2,7 @@
 //! the joint they replace.
 
 use super::condensed::Condensed;
+use super::reported::{Replaced, Unexplained};
 use crate::diagnosis::criteria::{Gate, Judgement};
 use crate::diagnosis::evidence::{Block, Gains, against_slow_noise, modulated};
 use crate::diagnosis::model::{DataSet, Member, Nuisances, PreparedLogs, Session};
@@ -10,121 +11,7 @@ use crate::diagnosis::regression::{Column, Projection, Test, fisher};
 use crate::diagnosis::search::{Selection, members};
 use crate::error::Result;
 use std::borrow::Cow;
-
-/// Structure that no candidate carries.
-///
-/// ```
-/// # extern crate tauscope_core as tauscope;
-/// use tauscope::diagnosis::Unexplained;
-/// # use tauscope::diagnosis::Diagnosis;
-/// # use tauscope::recording;
-/// # use tauscope::robot::{self, InertiaCheck};
-/// # let robot = robot::load("../tests/reference/pendulum.urdf", InertiaCheck::Ignored)?;
-/// # let log = |name: &str| recording::load(format!("../tests/reference/pendulum/{name}.csv"), None);
-/// # let (train, test) = (log("train")?, log("test")?);
-/// # let answer = Diagnosis::of(&robot).train([&train]).test([&test]).candidates(["torque_offset"]).run()?;
-/// # let diagnosis = answer.diagnosis().expect("the logs are good");
-///
-/// // Offsets do not explain the ripple of the pivot: its residual follows something else.
-/// let left: &Unexplained = diagnosis.unexplained.first().expect("there is structure");
-/// assert!(left.joint == 0 && left.share > 0.5 && !left.structure.is_empty());
-/// # Ok::<(), tauscope::error::Error>(())
-/// ```
-#[derive(Debug, Clone, PartialEq)]
-pub struct Unexplained {
-    /// The joint.
-    pub joint: usize,
-    /// Share of its residual (sum of squares, whitened) that follows the structure.
-    pub share: f64,
-    /// What it follows.
-    pub structure: &'static str,
-    /// Probability of as much without structure, on any joint; None where none was worked out.
-    pub family_wise_p: Option<f64>,
-    /// Whether training and held-out logs each show it with certainty: findings on the joint are compared with it.
-    pub certain: bool,
-    /// Members of the model that add nothing to the structure: it explains what they were named for.
-    pub instead_of: Vec<Replaced>,
-    /// The gates that it passed.
-    pub passed: Vec<Judgement>,
-}
-
-/// Structure that a joint's training rows show, and that failed a gate.
-///
-/// ```
-/// # extern crate tauscope_core as tauscope;
-/// use tauscope::diagnosis::{Diagnosis, RejectedStructure};
-///
-/// // What the residual does not follow after all, and why not.
-/// fn refused(diagnosis: &Diagnosis) -> Vec<String> {
-///     let line = |one: &RejectedStructure| format!("no {}: {}", one.structure, one.failed.gate.reason());
-///     diagnosis.rejected_structure.iter().map(line).collect()
-/// }
-/// ```
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct RejectedStructure {
-    /// The joint.
-    pub joint: usize,
-    /// What its residual would follow.
-    pub structure: &'static str,
-    /// The gate that it failed.
-    pub failed: Judgement,
-}
-
-/// What was looked for in the residual: structure, and what was taken for none.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub(crate) struct Structure {
-    /// That which is reported.
-    pub unexplained: Vec<Unexplained>,
-    /// That which failed a gate.
-    pub rejected: Vec<RejectedStructure>,
-}
-
-impl Structure {
-    /// Adds what the map of the residual shows. Of a joint the larger is reported, unless what is reported already replaces a finding.
-    pub(crate) fn merge(&mut self, of_map: Structure) {
-        for mut shown in of_map.unexplained {
-            match self.unexplained.iter_mut().find(|left| left.joint == shown.joint) {
-                None => self.unexplained.push(shown),
-                Some(left) if left.instead_of.is_empty() && left.share < shown.share => {
-                    shown.certain |= left.certain;
-                    *left = shown;
-                }
-                Some(_) => {}
-            }
-        }
-        self.rejected.extend(of_map.rejected);
-    }
-}
-
-impl Extend<Structure> for Structure {
-    fn extend<T: IntoIterator<Item = Structure>>(&mut self, more: T) {
-        for Structure { unexplained, rejected } in more {
-            self.unexplained.extend(unexplained);
-            self.rejected.extend(rejected);
-        }
-    }
-}
-
-/// A member of the model that structure replaces.
-///
-/// ```
-/// # extern crate tauscope_core as tauscope;
-/// use tauscope::diagnosis::{Diagnosis, Replaced};
-///
-/// // Findings that structure withdraws: it explains what they were named for.
-/// fn withdrawn(diagnosis: &Diagnosis) -> Vec<&'static str> {
-///     let replaced = diagnosis.unexplained.iter().flat_map(|left| &left.instead_of);
-///     let name = |Replaced { place, .. }: &Replaced| diagnosis.found[*place].member.placed.effect.about().name;
-///     replaced.map(name).collect()
-/// }
-/// ```
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Replaced {
-    /// Its place in the model.
-    pub place: usize,
-    /// Share of what it explains by itself that the structure explains beyond it.
-    pub beyond: f64,
-}
+use std::ops::Range;
 
 /// Whether a member may turn out to be structure of `joint`: it sits there alone, and is not shown by its impacts, which the rows do not
 /// show.
@@ -184,6 +71,14 @@ struct Again {
     significant: Judgement,
 }
 
+/// Places of the columns of a regression.
+#[derive(Debug)]
+struct Places {
+    model: Range<usize>,
+    errors: Range<usize>,
+    torque: usize,
+}
+
 /// The model as found, on training and held-out rows.
 #[derive(Debug)]
 pub(super) struct Fitted<'a> {
@@ -193,10 +88,10 @@ pub(super) struct Fitted<'a> {
     pub members: Vec<Member>,
     /// Which of them have no rivals.
     named: Vec<bool>,
-    /// Number of its columns.
-    count: usize,
-    /// These, those of the baseline first; then columns of what errors of the positions put into the torque; and last the torque.
+    /// Its columns, those of the baseline first; columns of what errors of the positions put into the torque; and the torque.
     condensed: Condensed,
+    /// Places of the columns of the model, of those of the errors, and of the torque.
+    places: Places,
     /// Prior standard deviations of the factors of the errors.
     spread: Vec<f64>,
     /// The columns on the held-out rows, and those of the errors there.
@@ -240,11 +135,12 @@ impl<'a> Fitted<'a> {
             errors
         };
         let train_errors = errors(&session.logs.train);
-        let count = columns.len();
+        let model = 0..columns.len();
+        let errors_end = model.end + train_errors.columns().len();
         let torque = session.logs.train.torque.clone();
         let regression = [columns, train_errors.columns().to_vec(), vec![torque]].concat();
         Ok(Fitted {
-            count,
+            places: Places { errors: model.end..errors_end, model, torque: errors_end },
             condensed: Condensed::new(&selection.whitener, regression, session.logs.train.rows.dof()),
             spread: train_errors.spread().to_vec(),
             held_out_columns: session.model.columns(&session.logs.test, &members)?,
@@ -260,7 +156,7 @@ impl<'a> Fitted<'a> {
 
     /// Columns of the model, those of the baseline first.
     fn columns(&self) -> &[Column] {
-        &self.condensed.whole[..self.count]
+        &self.condensed.whole[self.places.model.clone()]
     }
 
     /// The noise under the model.
@@ -270,11 +166,10 @@ impl<'a> Fitted<'a> {
 
     /// The model in a noise that differs on the other joints from that of the search by its misfit alone, for tests on one joint.
     pub(super) fn under(&self, joint: usize, whitener: Whitener) -> Under {
-        let mut columns = self.condensed.with_rows_of(joint, &whitener);
-        let torque = columns.pop().unwrap_or_default();
-        let errors = columns.split_off(self.count);
-        let fit = Projection::new(&columns, &torque);
-        let adjusted_for_errors = fit.with_prior(&errors, &self.spread);
+        let columns = self.condensed.with_rows_of(joint, &whitener);
+        let Places { model, errors, torque } = &self.places;
+        let fit = Projection::new(&columns[model.clone()], &columns[*torque]);
+        let adjusted_for_errors = fit.with_prior(&columns[errors.clone()], &self.spread);
         Under { on_held_out: whitener.on(&self.session.logs.test.rows), whitener, fit, adjusted_for_errors }
     }
 
@@ -387,7 +282,7 @@ impl<'a> Fitted<'a> {
         Ok(Unexplained { joint, share, structure, family_wise_p: Some(family_wise_p), certain, instead_of, passed })
     }
 
-    /// Evidence of the held-out rows for a block that goes with time: fitted to them by themselves, as far as the model leaves it. Rows
+    /// Evidence of the held-out rows for a block that goes with time: fitted to the residual of these alone. Rows
     /// that do not determine it show nothing.
     fn seen_again(&self, under: &Under, again: &Block) -> Again {
         let PreparedLogs { test, .. } = &self.session.logs;

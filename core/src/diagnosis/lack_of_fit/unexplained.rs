@@ -3,7 +3,8 @@
 
 use super::above_noise::above_sensor;
 use super::harmonics::Spectrum;
-use super::structure::{Fitted, Place, RejectedStructure, Replaced, Structure, Under, Unexplained, is_weighed};
+use super::reported::{RejectedStructure, Replaced, Structure, Unexplained};
+use super::structure::{Fitted, Place, Under, is_weighed};
 use crate::diagnosis::criteria::{Gate, Judgement};
 use crate::diagnosis::evidence::{Block, Reach, blocks, slow_cosines};
 use crate::diagnosis::model::{PreparedLogs, Session};

@@ -34,6 +34,11 @@ impl MemberBlock {
 }
 
 impl ParameterBlocks {
+    /// The place after the last parameter.
+    pub(crate) fn end(&self) -> usize {
+        self.members.last().map_or(self.baseline.end, |block| block.shapes.end)
+    }
+
     /// The blocks of a model with so many `baseline` parameters, of which the last `known` are those of known effects, and of `members`.
     pub(super) fn new(baseline: usize, known: usize, members: &[Member]) -> Self {
         let mut place = baseline;
@@ -65,10 +70,11 @@ mod tests {
         };
         let members = [member(&StribeckFriction, false), member(&TorqueOffset, true), member(&TorqueOffset, false)];
         let blocks = ParameterBlocks::new(10, 2, &members);
-        assert_eq!((blocks.baseline, blocks.known), (0..10, 8..10));
+        assert_eq!((&blocks.baseline, &blocks.known), (&(0..10), &(8..10)));
         let [stribeck, held, offset] = &blocks.members[..] else { panic!() };
         assert_eq!((stribeck.amplitudes.clone(), stribeck.shapes.clone(), stribeck.all()), (10..11, 11..12, 10..12));
         assert!(held.all().is_empty());
-        assert_eq!(offset.all(), 12..13);
+        assert_eq!((offset.all(), blocks.end()), (12..13, 13));
+        assert_eq!(ParameterBlocks::new(10, 2, &[]).end(), 10);
     }
 }

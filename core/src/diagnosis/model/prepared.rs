@@ -5,8 +5,10 @@ use crate::diagnosis::logs::LowPass;
 use crate::diagnosis::regression::Column;
 use std::ops::Range;
 
-/// Logs that every model is fitted to and judged by. They do not change: a search that finds gears with play, or a tilted base that shows
-/// moments of the first body, goes on with others, which have more columns in the baselines ([`PreparedLogs::with`]).
+/// Logs that every model is fitted to and judged by. Who reads them changes nothing; the session that holds them does, by its methods
+/// (`session/changes`) alone. It leaves out rows near the ends of an event or near impacts of gears, takes other low-passes, other roundings
+/// of friction and the bands of the encoders' noise. A search that finds gears with play, or a tilted base that shows moments of the first
+/// body, goes on with others, which have more columns in the baselines ([`PreparedLogs::with`]).
 #[derive(Debug, Clone)]
 pub struct PreparedLogs {
     /// Training logs.
@@ -16,8 +18,8 @@ pub struct PreparedLogs {
     /// Places of the columns in the baselines of torque that the noise of encoders makes: of the band of each joint, and what its controller
     /// answers to.
     pub bands: Range<usize>,
-    /// Whether these are others than those identified from.
-    pub apart: bool,
+    /// Whether the held-out logs are others than those identified from.
+    pub(in crate::diagnosis) apart: bool,
     /// Cut-off of the low-pass of each joint's positions, Hz.
     pub cutoffs_hz: Vec<f64>,
     /// The low-pass that torque went through before it was logged, if any.

@@ -17,8 +17,8 @@ use crate::identification::model::Model;
 use crate::linear::{OrthonormalBasis, length};
 use nalgebra::Vector3;
 
-/// Share of a column's size below which what others leave of it is rounding, and share of what a moment of 1 kg m weighs below which one
-/// is.
+/// Share of a column's size below which its residual over the others is rounding. A moment is rounding below this share of the weight of 1
+/// kg m.
 const ROUNDING: f64 = 1e-6;
 
 /// Changes of the bodies that gravity as described does not show, with their places in the baseline.

@@ -1,7 +1,7 @@
 //! The noise model of each joint.
 //!
 //! In: residuals of a rich regression. Out: a whitener per joint: an autoregression of the noise with its one-step
-//! innovations, and the noise spectrum that a regression leaves free.
+//! innovations, and the noise spectrum in the residual of a regression.
 
 mod innovations;
 mod joint_whitener;

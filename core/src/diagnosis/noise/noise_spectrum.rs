@@ -1,10 +1,10 @@
-//! The spectrum of noise of which a regression has left a part.
+//! The spectrum of noise, estimated from the residual of a regression.
 //!
-//! A regression with many smooth columns takes most of what is slow, and by how much noise is stronger at some frequency than a
-//! model of it must be estimated from the rest. In the noise as modelled so far, whitened residuals have at every frequency a mean square
-//! that is the share of that frequency which the regression leaves free: the ratio of what is observed to that share is fitted by a smooth
-//! curve over the logarithm of the frequency (the likelihood of a gamma law, as Whittle's; its solution is that of restricted
-//! maximum likelihood: Patterson and Thompson, Biometrika 58, 1971), with which the modelled spectrum is multiplied.
+//! A regression with many smooth columns takes most of what is slow. How far the noise differs from its model at some frequency must be
+//! estimated from the residual. If the model of the noise is right, the mean square of whitened residuals at a frequency is the share of
+//! the degrees of freedom there that the regression does not use. The ratio of the observed mean square to that share is fitted by a smooth
+//! curve over the logarithm of the frequency, with the likelihood of a gamma law (Whittle's). The modelled spectrum is multiplied by that
+//! curve. The estimate is that of restricted maximum likelihood (Patterson and Thompson, Biometrika 58, 1971).
 
 use crate::identification::noise::AutoregressiveNoise;
 use nalgebra::{DMatrix, DVector};

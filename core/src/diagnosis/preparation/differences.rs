@@ -10,7 +10,7 @@ use crate::diagnosis::model::{DataSet, Nuisances, PreparedLogs, Session};
 use crate::diagnosis::noise::Whitener;
 use crate::diagnosis::regression::Column;
 use crate::error::Result;
-use crate::identification::equal_states::{EqualState, MATCHED, matched};
+use crate::identification::equal_states::{EqualState, matched};
 use std::ops::Range;
 
 /// Some logs after a change, and some before it.
@@ -36,13 +36,15 @@ impl Session<'_> {
         // Reference logs of their own keep the noise of training and held-out differences independent.
         let apart = [0..before.div_ceil(2), before.div_ceil(2)..before];
         let choices = [apart, [0..before, 0..before]];
+        // With fewer the differences see only a part of the motion.
+        let most = self.criteria.levels.most;
         let pairs =
             choices.into_iter().filter(|choice| choice.iter().all(|logs| !logs.is_empty())).find_map(|[own, other]| {
                 let train_pair = Pair::new((train, before..all), (train, own));
                 let test_pair = Pair::new((&self.logs.test, 0..tested), (train, other));
                 let shares = [train_pair.share(), test_pair.share()];
                 tracing::debug!(?shares, "rows of equal states");
-                shares.iter().all(|share| *share >= MATCHED).then_some(([train_pair, test_pair], shares))
+                shares.iter().all(|share| *share >= most).then_some(([train_pair, test_pair], shares))
             });
         let Some((pairs, shares)) = pairs else { return Ok(()) };
         let arm = self.baseline_before(whitener);

@@ -101,21 +101,19 @@ impl Session<'_> {
     /// answers in the same way in all of them (`fit` is that without these columns).
     fn free_noise_of_encoders(&mut self, seen_hz: f64, fit: &Fit) -> Result<()> {
         let dof = self.model.base.dof();
-        let of_joints = |data: &DataSet| -> Result<Vec<Column>> {
-            let sum = |on_each: &[Column]| Column::of(on_each.iter().flat_map(|column| column.parts.clone()).collect());
-            Ok(data.bands.chunks(dof).map(sum).chain(feedback(&data.rows, seen_hz)?).collect())
-        };
-        let mut columns = [of_joints(&self.logs.train)?, of_joints(&self.logs.test)?];
-        let bands = columns[0].len() - FEEDBACK * dof;
-        let of_joint = |joint: usize| bands + FEEDBACK * joint..bands + FEEDBACK * (joint + 1);
-        let answers = |joint: &usize| of_joint(*joint).any(|place| !columns[0][place].parts.is_empty());
-        let contradicted = self.contradicted(fit, (0..dof).filter(answers).collect(), |joint| {
-            let own = |all: &[Column]| of_joint(joint).map(|place| all[place].only(&[joint])).collect();
-            [own(&columns[0]), own(&columns[1])]
+        let mut answers = [feedback(&self.logs.train.rows, seen_hz)?, feedback(&self.logs.test.rows, seen_hz)?];
+        let of_joint = |joint: usize| FEEDBACK * joint..FEEDBACK * (joint + 1);
+        let does_answer = |joint: &usize| answers[0][of_joint(*joint)].iter().any(|column| !column.parts.is_empty());
+        let contradicted = self.contradicted(fit, (0..dof).filter(does_answer).collect(), |joint| {
+            answers.each_ref().map(|all| all[of_joint(joint)].iter().map(|column| column.only(&[joint])).collect())
         })?;
-        for place in contradicted.into_iter().flat_map(of_joint) {
-            columns.iter_mut().for_each(|columns| columns[place] = Column::default());
+        for joint in contradicted {
+            answers.iter_mut().for_each(|all| all[of_joint(joint)].fill(Column::default()));
         }
+        let sum = |on_each: &[Column]| Column::of(on_each.iter().flat_map(|column| column.parts.clone()).collect());
+        let [train, test] = answers;
+        let columns = [(&self.logs.train, train), (&self.logs.test, test)]
+            .map(|(data, answers)| data.bands.chunks(dof).map(sum).chain(answers).collect::<Vec<Column>>());
         let place = self.blocks(&[]).known.start;
         let logs = self.logs.clone().with(place, &columns);
         self.go_on_with(PreparedLogs { bands: place..place + columns[0].len(), ..logs });

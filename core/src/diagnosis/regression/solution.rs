@@ -160,7 +160,7 @@ impl JointEquations {
         solve_normal(normal, right)
     }
 
-    /// Sum of squares that the fit leaves of each joint, where its noise is so many times `stronger`, in units of that noise.
+    /// Sum of squared residuals of each joint, where its noise is so many times `stronger`, in units of that noise.
     pub(crate) fn squared_residuals(&self, stronger: &[f64]) -> Vec<f64> {
         let values = self.solved(|joint| stronger[joint]).values;
         let mut squares = vec![0.0; stronger.len()];

@@ -1,8 +1,8 @@
 //! Backward elimination of findings that do not matter.
 
 use super::fit::HeldFit;
-use super::gates::{Judge, Judged};
-use crate::diagnosis::criteria::{Gate, Judgement};
+use super::gates::{Judge, Judged, predicts_every_joint};
+use crate::diagnosis::criteria::{Criteria, Gate, Judgement};
 use crate::diagnosis::model::{Member, Session, is_event, is_level, shapes};
 use crate::diagnosis::noise::Whitener;
 use crate::diagnosis::search::{Found, members};
@@ -65,7 +65,7 @@ pub(crate) fn eliminate(
     let judge = Judge::new(session, &members, whitener, any_size)?;
     let mut kept: Vec<usize> = (0..members.len()).collect();
     let mut out: Vec<(usize, Judgement, Vec<f64>)> = Vec::new();
-    while let Some((index, failed, size)) = least_that_fails(&judge, &kept, session.criteria.worse()) {
+    while let Some((index, failed, size)) = least_that_fails(&judge, &kept, &session.criteria) {
         let member = kept.remove(index);
         tracing::debug!(family = ?members[member].candidate.family(), ?failed, "does not matter");
         out.push((member, failed, size));
@@ -96,24 +96,23 @@ pub(crate) fn with_scatter(session: &Session, found: &mut [Found], whitener: &Wh
 }
 
 /// The finding to take out next: its place among those kept, the gate it fails and its size.
-fn least_that_fails(judge: &Judge, kept: &[usize], worse: f64) -> Option<(usize, Judgement, Vec<f64>)> {
+fn least_that_fails(judge: &Judge, kept: &[usize], criteria: &Criteria) -> Option<(usize, Judgement, Vec<f64>)> {
     let mut judged = judge.of(kept);
     let failing = judged.iter().filter_map(|one| Some((one, one.failed()?)));
     if let Some((one, failed)) = failing.min_by(|(a, _), (b, _)| a.relative_size.total_cmp(&b.relative_size)) {
         return Some((one.index, failed, one.size.clone()));
     }
-    let beyond: Vec<Judgement> = judged.par_iter().map(|one| judge.beyond_structure(kept, one.index)).collect();
-    let place = (0..judged.len())
-        .filter(|&place| !beyond[place].passed)
-        .min_by(|&a, &b| beyond[a].value.total_cmp(&beyond[b].value));
-    if let Some(place) = place {
+    let beyond: Vec<_> = judged.par_iter().map(|one| judge.beyond_structure(kept, one.index)).collect();
+    let failing = beyond.into_iter().enumerate().filter_map(|(place, gained)| Some((place, gained?)));
+    let failing = failing.filter(|(_, gained)| !gained.passed);
+    if let Some((place, failed)) = failing.min_by(|(_, a), (_, b)| a.value.total_cmp(&b.value)) {
         let Judged { index, size, .. } = judged.swap_remove(place);
-        return Some((index, beyond[place], size));
+        return Some((index, failed, size));
     }
     let (joint, factor) = judge.worse_than_baseline(kept)?;
     let index = judge.without_which_best(kept, joint)?;
     let one = judged.into_iter().find(|one| one.index == index)?;
-    Some((index, Judgement::at_most(Gate::EveryJoint, factor, worse), one.size))
+    Some((index, predicts_every_joint(factor, criteria), one.size))
 }
 
 /// Makes the standard deviations of a member at least those of its scatter between blocks, in the order of its columns.

@@ -17,6 +17,8 @@ pub(super) struct HeldFit<'a> {
     test: Vec<Column>,
     /// Places of the columns of the baseline and of each member.
     blocks: ParameterBlocks,
+    /// Places of every member's torque as found.
+    torques: Range<usize>,
     products: BlockProducts,
 }
 
@@ -38,7 +40,8 @@ impl<'a> HeldFit<'a> {
         let white = whitener.apply_all(&train);
         let products =
             BlockProducts::new(&session.logs.train.rows, whitener, &white, &whitener.apply(&session.logs.train.torque));
-        Ok(HeldFit { session, train, test, blocks, products })
+        let torques = blocks.end()..blocks.end() + members.len();
+        Ok(HeldFit { session, train, test, blocks, torques, products })
     }
 
     /// Places of the baseline's columns and of those of the members at `kept`.
@@ -87,7 +90,7 @@ impl<'a> HeldFit<'a> {
     pub(super) fn strength(&self, kept: &[usize], index: usize) -> Option<[f64; 3]> {
         let others: Vec<usize> = kept.iter().copied().filter(|&member| member != kept[index]).collect();
         let mut places = self.places(&others);
-        places.push(self.train.len() - self.blocks.members.len() + kept[index]);
+        places.push(self.torques.start + kept[index]);
         let estimates = self.products.estimates(&places, true);
         let (std, freedom) = estimates.scatter(places.len() - 1)?;
         Some([estimates.values[places.len() - 1], std, freedom])

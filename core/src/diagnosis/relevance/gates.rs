@@ -1,7 +1,7 @@
 //! The gates that a finding must pass to be reported.
 
 use super::fit::HeldFit;
-use crate::diagnosis::criteria::{Criteria, Gate, Judgement};
+use crate::diagnosis::criteria::{Criteria, Gate, Judgement, Levels};
 use crate::diagnosis::evidence::Gains;
 use crate::diagnosis::model::{Member, Session, is_level};
 use crate::diagnosis::noise::Whitener;
@@ -140,7 +140,7 @@ impl<'a> Judge<'a> {
     /// Share of the held-out residual of its `own` joints that a finding explains.
     fn on_own_joints(&self, own: &[usize], [before, after]: [&Column; 2]) -> Judgement {
         let share = Gains::new(&self.on_held_out, before, after, own, self.session.logs.test.rows.len()).share();
-        Judgement::above(Gate::OwnJoint, share, 0.0)
+        explains_own_joints(share)
     }
 
     /// Growth of the residual of the held-out log that agrees least, on `joints` together.
@@ -151,7 +151,7 @@ impl<'a> Judge<'a> {
             Gains::new(&self.on_held_out, &before, &after, joints, self.session.logs.test.rows.len()).growth()
         });
         let worst = growths.fold(f64::NEG_INFINITY, f64::max);
-        Judgement::at_most(Gate::HeldOutLogs, worst, self.contradicted(starts.len() - 1))
+        contradicted_by_none(worst, starts.len() - 1, &self.session.criteria.levels)
     }
 
     /// The largest factor on the baseline's residual of a joint of those that grow with a finding.
@@ -159,7 +159,7 @@ impl<'a> Judge<'a> {
         let valid = &self.session.logs.test.rows.valid;
         let [baseline, new] = [&self.baseline, after].map(|residual| rms(valid, residual));
         let factors = self.growing_joints([before, after]).map(|joint| new[joint] / baseline[joint]);
-        Judgement::at_most(Gate::EveryJoint, factors.fold(1.0, f64::max), self.session.criteria.worse())
+        predicts_every_joint(factors.fold(1.0, f64::max), &self.session.criteria)
     }
 
     /// Joints whose held-out residual grows from `before` to `after`, at the level [`Criteria::worse_p`] for all joints together: of six
@@ -194,11 +194,6 @@ impl<'a> Judge<'a> {
         let removable = (0..kept.len()).filter(|&index| !self.stays(kept[index]));
         let removable: Vec<(usize, f64)> = removable.map(|index| (index, left(&index))).collect();
         removable.into_iter().min_by(|a, b| a.1.total_cmp(&b.1)).map(|(index, _)| index)
-    }
-
-    /// Standard deviations of growth beyond which one of `count` contradicts.
-    fn contradicted(&self, count: usize) -> f64 {
-        Normal::standard().inverse_cdf(1.0 - self.session.criteria.levels.usual_p / count.max(1) as f64)
     }
 
     /// Share of the held-out excess over the noise that the member at `kept[index]` explains with the `others` in the model, in squares, on
@@ -237,22 +232,34 @@ impl<'a> Judge<'a> {
         self.beyond.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// What the member at `kept[index]` explains beyond generic functions, with the others in the model; passed where the rows of that
+    /// What the member at `kept[index]` explains beyond generic functions, with the others in the model; None where the rows of that
     /// comparison are too long for its law. A few numbers from the training logs that predict most of what the held-out ones have beyond
     /// the noise are a law, too, also where generic functions that are fitted to both explain as much.
-    pub(super) fn beyond_structure(&self, kept: &[usize], index: usize) -> Judgement {
-        let threshold = self.session.criteria.levels.log_odds;
+    pub(super) fn beyond_structure(&self, kept: &[usize], index: usize) -> Option<Judgement> {
+        let Criteria { levels, verdict, .. } = &self.session.criteria;
         let others: Vec<usize> = kept.iter().copied().filter(|&other| other != kept[index]).collect();
         let joints = self.members[kept[index]].candidate.joints().into_iter();
-        match joints.map(|joint| self.gain(kept[index], &others, joint)).sum::<Option<f64>>() {
-            Some(gain) => {
-                let gained = gain >= threshold;
-                let passed = gained || self.predicted(kept, &others, index) >= self.session.criteria.verdict.explained;
-                Judgement { gate: Gate::BeyondStructure, value: gain, threshold, passed }
-            }
-            None => Judgement { gate: Gate::BeyondStructure, value: f64::NAN, threshold, passed: true },
-        }
+        let gain = joints.map(|joint| self.gain(kept[index], &others, joint)).sum::<Option<f64>>()?;
+        let gained = Judgement::at_least(Gate::BeyondStructure, gain, levels.log_odds);
+        Some(gained.or(gained.passed || self.predicted(kept, &others, index) >= verdict.explained))
     }
+}
+
+/// Whether a finding explains some of the held-out residual of its own joints, by its `share`.
+fn explains_own_joints(share: f64) -> Judgement {
+    Judgement::above(Gate::OwnJoint, share, 0.0)
+}
+
+/// Whether none of `count` held-out logs contradicts a finding, by the standard deviations by which the residual of the worst one grows: the
+/// level is shared among them.
+fn contradicted_by_none(growth: f64, count: usize, levels: &Levels) -> Judgement {
+    let most = Normal::standard().inverse_cdf(1.0 - levels.usual_p / count.max(1) as f64);
+    Judgement::at_most(Gate::HeldOutLogs, growth, most)
+}
+
+/// Whether no joint is predicted worse, by the largest factor over the baseline.
+pub(super) fn predicts_every_joint(factor: f64, criteria: &Criteria) -> Judgement {
+    Judgement::at_most(Gate::EveryJoint, factor, criteria.worse())
 }
 
 /// Least size of a finding that matters on a joint with so much residual, noise and torque, root mean squares: a share of the torque, or of
@@ -289,6 +296,19 @@ mod tests {
         assert!((share_of_excess(5.0, 3.0, 2.0) - 16.0 / 21.0).abs() < 1e-12);
         assert!((share_of_excess(5.0, 2.0, 2.0) - 1.0).abs() < 1e-12);
         assert_eq!(share_of_excess(2.0, 1.0, 2.0), 0.0);
+    }
+
+    #[test]
+    fn either_side_of_the_gates_on_held_out_logs() {
+        let criteria = Criteria::default();
+        assert!(explains_own_joints(1e-9).passed && !explains_own_joints(0.0).passed);
+        // One-sided 5 % of the normal distribution, and half of that for each of two logs, from tables.
+        for (count, most) in [(1, 1.644_853_627), (2, 1.959_963_985)] {
+            assert!(contradicted_by_none(most - 1e-6, count, &criteria.levels).passed);
+            assert!(!contradicted_by_none(most + 1e-6, count, &criteria.levels).passed);
+        }
+        let worse = criteria.worse();
+        assert!(predicts_every_joint(worse, &criteria).passed && !predicts_every_joint(worse + 1e-9, &criteria).passed);
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! Whether the best candidate of a comparison is taken into the model: by what the training logs show once adjusted for all that is not
 //! physics, and by its gain on the held-out logs.
 
-use crate::diagnosis::criteria::{Criteria, Gate, Judgement, SearchCriteria};
+use crate::diagnosis::criteria::{Criteria, Gate, Judgement, Levels, SearchCriteria};
 use crate::diagnosis::evidence::{
     Gains, Judged, Multiplicity, cross_validated_residual, log_p_adjusted, without_influential_blocks,
 };
@@ -132,7 +132,7 @@ impl Trial<'_> {
         let level = flat_level(&self.session.model.arm, rows, joint, limit).map_or(limit, lowest);
         let largest = rows.torque[joint].iter().fold(0.0f64, |most, torque| most.max(torque.abs()));
         let noise = criteria.levels.far * rows.sensor_noise(joint, 1);
-        Judgement::at_most(Gate::Exceeded, (largest - noise) / level, 1.0 + criteria.share_of_torque)
+        within_limit(largest - noise, level, criteria)
     }
 
     /// Evidence of the logs identified from for the winner, or why it is refused by them alone.
@@ -172,8 +172,7 @@ impl Trial<'_> {
         if effect.about().nature == Nature::OfSpeed {
             // The rounding has one parameter less, and most arms that are simulated have it.
             let of_rounding = self.session.model.rounding_gains.get(*joint).copied().unwrap_or_default();
-            let least = of_rounding + self.session.criteria.levels.log_odds;
-            let beyond = Judgement::above(Gate::Rounding, 0.5 * winner.test.statistic, least);
+            let beyond = likelier_than_rounding(winner.test.statistic, of_rounding, &self.session.criteria.levels);
             if !beyond.passed {
                 return refused(beyond, false);
             }
@@ -182,7 +181,7 @@ impl Trial<'_> {
             let level = placed.amount();
             let slope = slope_beyond(&self.session.model.arm, &self.session.logs.train.rows, *joint, level);
             tracing::debug!(slope, level, "torque beyond a level");
-            let flat = Judgement::below(Gate::Flat, slope, self.session.criteria.levels.most);
+            let flat = is_flat(slope, &self.session.criteria.levels);
             if let Some(failed) = Judgement::first_failed([flat, self.exceeded(*joint, level)]) {
                 return refused(failed, false);
             }
@@ -238,7 +237,7 @@ impl Trial<'_> {
         }
         if held_out.whitener.is_misfit(&winner.candidate.joints(), levels.misfit) {
             let turned = self.session.turns_unphysical(&held_out.with, &held_out.solved[1]);
-            let signs = Judgement::at_most(Gate::EarlierSigns, f64::from(u8::from(turned)), 0.0);
+            let signs = Judgement::at_most(Gate::EarlierSigns, turned as f64, 0.0);
             if let Some(failed) = Judgement::first_failed(alone.into_iter().chain([signs])) {
                 return refused(failed, false);
             }
@@ -330,6 +329,22 @@ impl HeldOut {
     }
 }
 
+/// Whether the `largest` torque stays within a saturation limit, to a share that matters.
+fn within_limit(largest: f64, limit: f64, criteria: &Criteria) -> Judgement {
+    Judgement::at_most(Gate::Exceeded, largest / limit, 1.0 + criteria.share_of_torque)
+}
+
+/// Whether a law of friction over speed, by its score statistic, is likelier than a rounded sign of friction, whose gain of the
+/// log-likelihood is `of_rounding`.
+fn likelier_than_rounding(statistic: f64, of_rounding: f64, levels: &Levels) -> Judgement {
+    Judgement::above(Gate::Rounding, 0.5 * statistic, of_rounding + levels.log_odds)
+}
+
+/// Whether torque is flat where the model exceeds a saturation limit, by its slope over the model's.
+fn is_flat(slope: f64, levels: &Levels) -> Judgement {
+    Judgement::below(Gate::Flat, slope, levels.most)
+}
+
 fn accepted(winner: &Judged, gain_lower_bound: f64, level: f64) -> Outcome {
     Outcome::Accepted(Box::new(Accepted { member: winner.member(), gain_lower_bound, level }))
 }
@@ -371,6 +386,19 @@ fn imitated(candidate: &Candidate) -> Option<Imitated> {
 mod tests {
     use super::*;
     use crate::effects::find;
+
+    #[test]
+    fn either_side_of_the_gates_of_saturation_and_of_friction_over_speed() {
+        let criteria = Criteria::default();
+        let most = 1.0 + criteria.share_of_torque;
+        assert!(within_limit(100.0 * most - 1e-9, 100.0, &criteria).passed);
+        assert!(!within_limit(100.0 * most + 1e-9, 100.0, &criteria).passed);
+        let Levels { most, log_odds, .. } = criteria.levels;
+        assert!(is_flat(most - 1e-9, &criteria.levels).passed && !is_flat(most, &criteria.levels).passed);
+        // A statistic is twice a logarithm of a likelihood ratio.
+        let likelier = |statistic: f64| likelier_than_rounding(statistic, 4.0, &criteria.levels).passed;
+        assert!(likelier(2.0 * (4.0 + log_odds) + 1e-9) && !likelier(2.0 * (4.0 + log_odds)));
+    }
 
     #[test]
     fn what_errors_imitate_must_be_surer_and_is_not_confirmed() {

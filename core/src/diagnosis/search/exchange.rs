@@ -3,7 +3,8 @@
 //! may together be nearly what a third alone is.
 
 use super::acceptance::{Outcome, Trial};
-use super::found::{Found, members};
+use super::found::{Found, Rejected, members};
+use crate::diagnosis::criteria::{Gate, Judgement};
 use crate::diagnosis::evidence::{Gains, Judged, Multiplicity};
 use crate::diagnosis::model::{Candidate, Fit, Member, Session};
 use crate::diagnosis::regression::Column;
@@ -31,8 +32,8 @@ impl Exchange {
 }
 
 /// The winner of a model comparison in the place of the finding at `index` and of all others whose parameters it makes unidentifiable,
-/// where it passes all gates without them and held-out logs do not contradict it. A constant torque, which one of them may have explained
-/// too, does not count.
+/// where it passes all gates without them and held-out logs do not contradict it; else the gate that it fails is added to `rejected`. A
+/// constant torque, which one of them may have explained too, does not count.
 ///
 /// # Errors
 /// If a log is too short to differentiate.
@@ -41,8 +42,8 @@ pub(super) fn exchanged(
     found: &[Found],
     index: usize,
     winner: &Judged,
-    multiplicity: &Multiplicity,
-    alpha: f64,
+    (multiplicity, alpha): (&Multiplicity, f64),
+    rejected: &mut Vec<Rejected>,
 ) -> Result<Option<Exchange>> {
     let train = &session.logs.train;
     let others: Vec<usize> = (0..found.len()).filter(|&place| place != index).collect();
@@ -58,11 +59,11 @@ pub(super) fn exchanged(
         return Ok(None);
     }
 
-    in_place_of(session, found, places, &winner.candidate, multiplicity, alpha)
+    in_place_of(session, found, places, &winner.candidate, (multiplicity, alpha), rejected)
 }
 
 /// One body in the place of two that were found, where it fits the training logs as well: it loses no more of the sum of squares than
-/// its fewer parameters make up for (Akaike's criterion).
+/// its fewer parameters make up for (Akaike's criterion). What fails that, or a gate, is added to `rejected`.
 ///
 /// # Errors
 /// If a log is too short to differentiate.
@@ -70,8 +71,8 @@ pub(super) fn one_body(
     session: &Session,
     found: &[Found],
     everywhere: &[Candidate],
-    multiplicity: &Multiplicity,
-    alpha: f64,
+    (multiplicity, alpha): (&Multiplicity, f64),
+    rejected: &mut Vec<Rejected>,
 ) -> Result<Option<Exchange>> {
     let is_body = |&place: &usize| found[place].member.placed.effect.is_body() && found[place].can_be_asked();
     let bodies: Vec<usize> = (0..found.len()).filter(is_body).collect();
@@ -97,15 +98,27 @@ pub(super) fn one_body(
             let fewer = both.freedom.saturating_sub(best.test.freedom) as f64;
             let lost = both.statistic - best.test.statistic;
             tracing::debug!(body = ?best.candidate.slot(), lost, fewer, "one body in place of two");
-            if fewer > 0.0 && lost <= 2.0 * fewer {
-                let exchange = in_place_of(session, found, vec![first, second], &best.candidate, multiplicity, alpha)?;
-                if exchange.is_some() {
-                    return Ok(exchange);
-                }
+            if fewer == 0.0 {
+                continue;
+            }
+            let simpler = is_simpler(lost, fewer);
+            if !simpler.passed {
+                rejected.push(Rejected { slot: best.candidate.slot(), failed: simpler });
+                continue;
+            }
+            let (places, asked) = (vec![first, second], (multiplicity, alpha));
+            let exchange = in_place_of(session, found, places, &best.candidate, asked, rejected)?;
+            if exchange.is_some() {
+                return Ok(exchange);
             }
         }
     }
     Ok(None)
+}
+
+/// Whether `fewer` parameters make up for what is `lost` of the statistic: Akaike's criterion takes two for each.
+fn is_simpler(lost: f64, fewer: f64) -> Judgement {
+    Judgement::at_most(Gate::Parsimony, 0.5 * lost / fewer, 1.0)
 }
 
 /// The members but those found at some places.
@@ -114,14 +127,15 @@ fn staying(found: &[Found], places: &[usize]) -> Vec<Member> {
     stay.map(|(_, found)| found.member.clone()).collect()
 }
 
-/// A candidate in the place of the findings at `places`, where it passes all gates without them and held-out logs do not contradict it.
+/// A candidate in the place of the findings at `places`, where it passes all gates without them and held-out logs do not contradict it; else
+/// the gate that it fails is added to `rejected`.
 fn in_place_of(
     session: &Session,
     found: &[Found],
     places: Vec<usize>,
     candidate: &Candidate,
-    multiplicity: &Multiplicity,
-    alpha: f64,
+    (multiplicity, alpha): (&Multiplicity, f64),
+    rejected: &mut Vec<Rejected>,
 ) -> Result<Option<Exchange>> {
     let (train, test) = (&session.logs.train, &session.logs.test);
     let stay = staying(found, &places);
@@ -132,7 +146,7 @@ fn in_place_of(
     let accepted = match trial.of(&judged, level, None)? {
         Outcome::Accepted(accepted) => accepted,
         Outcome::Refused(refusal) => {
-            tracing::debug!(winner = ?judged.candidate.slot(), failed = ?refusal.failed, "no exchange");
+            rejected.push(Rejected { slot: judged.candidate.slot(), failed: refusal.failed });
             return Ok(None);
         }
     };
@@ -151,8 +165,12 @@ fn in_place_of(
     let (before, after) = (residual(&before)?, residual(&after)?);
     let gains = Gains::adjusted_for_constants(&whitener.on(&test.rows), &before, &after, &joints, &test.rows);
     tracing::debug!(winner = ?judged.candidate.slot(), ?places, share = gains.share(), "one law in place of several");
-    Ok((!gains.is_contradicted(&session.criteria.levels))
-        .then(|| Exchange { by: Found::new(*accepted, Vec::new()), places }))
+    let agrees = Judgement::at_least(Gate::HeldOutGain, gains.upper_bound(&session.criteria.levels), 0.0);
+    if !agrees.passed {
+        rejected.push(Rejected { slot: judged.candidate.slot(), failed: agrees });
+        return Ok(None);
+    }
+    Ok(Some(Exchange { by: Found::new(*accepted, Vec::new()), places }))
 }
 
 #[cfg(test)]
@@ -168,7 +186,7 @@ mod tests {
     use crate::robot::{InertiaCheck, load};
 
     /// Which findings one body replaces, and that body's joint, where links 2 and 4 were found and these `links` are wrong.
-    fn replaced(links: &[usize]) -> Option<(Vec<usize>, usize)> {
+    fn replaced(links: &[usize]) -> std::result::Result<(Vec<usize>, usize), Vec<Rejected>> {
         let robot =
             load(concat!(env!("CARGO_MANIFEST_DIR"), "/../urdf/irb1600_6_120.urdf"), InertiaCheck::Required).unwrap();
         let effect = find("link_inertia_error").unwrap();
@@ -191,13 +209,24 @@ mod tests {
             Found::new(Accepted { member, gain_lower_bound: 0.0, level: 0.0 }, Vec::new())
         };
         let found = [on(1), on(3)];
-        let exchange = one_body(&session, &found, &all, &multiplicity, 0.05).unwrap()?;
-        Some((exchange.places, exchange.by.member.candidate.family().joint))
+        let mut rejected = Vec::new();
+        let exchange = one_body(&session, &found, &all, (&multiplicity, 0.05), &mut rejected).unwrap();
+        exchange.map(|made| (made.places, made.by.member.candidate.family().joint)).ok_or(rejected)
     }
 
     #[test]
     fn one_wrong_link_takes_the_place_of_two_that_are_nearly_it() {
-        assert_eq!(replaced(&[2]), Some((vec![0, 1], 2)));
-        assert_eq!(replaced(&[1, 3]), None);
+        assert_eq!(replaced(&[2]), Ok((vec![0, 1], 2)));
+        // Two that are wrong lose too much, which is listed.
+        let rejected = replaced(&[1, 3]).unwrap_err();
+        assert!(
+            rejected.iter().any(|one| one.failed.gate == Gate::Parsimony && one.failed.value > 1.0),
+            "{rejected:?}"
+        );
+    }
+
+    #[test]
+    fn a_parameter_is_worth_two_of_the_statistic() {
+        assert!(is_simpler(8.0, 4.0).passed && is_simpler(-1.0, 4.0).passed && !is_simpler(8.01, 4.0).passed);
     }
 }

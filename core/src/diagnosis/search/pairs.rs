@@ -4,7 +4,7 @@
 
 use super::acceptance::{Outcome, Trial};
 use super::comparison::parameters;
-use super::found::{Found, members};
+use super::found::{Found, Rejected, members};
 use crate::diagnosis::Options;
 use crate::diagnosis::evidence::{Judged, Multiplicity, log_p_adjusted};
 use crate::diagnosis::model::{Candidate, Member, Session, shapes};
@@ -13,7 +13,7 @@ use crate::diagnosis::regression::{Column, Projection};
 use crate::error::Result;
 
 /// Puts two linear laws in the place of two findings of their joint that have more parameters, where these add nothing to them; among the
-/// candidates `everywhere`. Returns whether it did.
+/// candidates `everywhere`. Returns whether it did; the gate that one of two such laws fails is added to `rejected`.
 ///
 /// # Errors
 /// If a log is too short to differentiate.
@@ -23,6 +23,7 @@ pub(super) fn simpler_pairs(
     everywhere: &[Candidate],
     multiplicity: &Multiplicity,
     options: &Options,
+    rejected: &mut Vec<Rejected>,
 ) -> Result<bool> {
     let mut changed = false;
     for joint in 0..session.model.base.dof() {
@@ -30,7 +31,7 @@ pub(super) fn simpler_pairs(
         for (k, &first) in here.iter().enumerate() {
             for &second in &here[k + 1..] {
                 let pair = Pair { session, found: &*found, places: [first, second], multiplicity, options };
-                if let Some(simpler) = pair.simpler(everywhere, joint)? {
+                if let Some(simpler) = pair.simpler(everywhere, joint, rejected)? {
                     let [a, b] = simpler;
                     (found[first], found[second]) = (a, b);
                     changed = true;
@@ -62,7 +63,12 @@ struct Pair<'a> {
 
 impl Pair<'_> {
     /// The two linear laws of the joint that explain as much with fewer parameters.
-    fn simpler(&self, everywhere: &[Candidate], joint: usize) -> Result<Option<[Found; 2]>> {
+    fn simpler(
+        &self,
+        everywhere: &[Candidate],
+        joint: usize,
+        rejected: &mut Vec<Rejected>,
+    ) -> Result<Option<[Found; 2]>> {
         let session = self.session;
         let kept = self.found.iter().enumerate().filter(|(index, _)| !self.places.contains(index));
         let others: Vec<Member> = kept.map(|(_, found)| found.member.clone()).collect();
@@ -102,11 +108,17 @@ impl Pair<'_> {
         if added.iter().any(|log_p| *log_p <= session.criteria.levels.sure_p.ln()) {
             return Ok(None);
         }
-        self.accepted(pair, &others, &whitener)
+        self.accepted(pair, &others, &whitener, rejected)
     }
 
-    /// Both laws, where each passes all gates with the other in the model.
-    fn accepted(&self, pair: [&Judged; 2], others: &[Member], whitener: &Whitener) -> Result<Option<[Found; 2]>> {
+    /// Both laws, where each passes all gates with the other in the model; else the gate that one fails is added to `rejected`.
+    fn accepted(
+        &self,
+        pair: [&Judged; 2],
+        others: &[Member],
+        whitener: &Whitener,
+        rejected: &mut Vec<Rejected>,
+    ) -> Result<Option<[Found; 2]>> {
         let session = self.session;
         let mut accepted = Vec::new();
         for (judged, other) in [(pair[0], pair[1]), (pair[1], pair[0])] {
@@ -120,7 +132,7 @@ impl Pair<'_> {
             match trial.of(&judged, level, None)? {
                 Outcome::Accepted(one) => accepted.push(Found::new(*one, Vec::new())),
                 Outcome::Refused(refusal) => {
-                    tracing::debug!(family = ?judged.candidate.family(), failed = ?refusal.failed, "of two linear laws one is refused");
+                    rejected.push(Rejected { slot: judged.candidate.slot(), failed: refusal.failed });
                     return Ok(None);
                 }
             }

@@ -3,7 +3,7 @@
 use super::found::{Alternative, Found, Rejected};
 use super::verdict::Verdict;
 use crate::diagnosis::Options;
-use crate::diagnosis::criteria::{Criteria, Gate, Judgement};
+use crate::diagnosis::criteria::{Criteria, Gate, Judgement, Levels};
 use crate::diagnosis::evidence::{Play, Traces, family_wise};
 use crate::diagnosis::model::{Candidate, DataSet, Family, Member, PreparedLogs, Session, columns, is_candidate};
 use crate::diagnosis::regression::fisher;
@@ -59,15 +59,15 @@ pub(super) fn rattling_gears(session: &Session, options: &Options) -> Result<Imp
         tracing::debug!(alike, "impacts among moments alike");
         let gates = [
             Judgement::at_most(Gate::Impacts, level, limit),
-            Judgement::at_most(Gate::ImpactsAgain, each[1].exp(), levels.usual_p).or(both || test.changes(joint) == 0),
+            impacts_again(each[1], test.changes(joint), &levels),
             Judgement::at_most(Gate::ImpactsAlike, alike.exp(), levels.strict_p),
         ];
         let timed = || {
             let play = train.play(joint, &session.model.arm, &session.logs.train.rows, levels.stands_out);
             let play = play.ok_or(Judgement::at_least(Gate::ImpactsTimed, 0.0, 1.0))?;
-            let can_be = effect.is_believable(&[play.half_gap], joint, session.model.base.robot());
-            let believable = Judgement::at_most(Gate::Believable, f64::from(u8::from(!can_be)), 0.0);
-            if can_be { Ok(play) } else { Err(believable) }
+            let over = effect.over_limit(&[play.half_gap], joint, session.model.base.robot());
+            let believable = Judgement::at_most(Gate::Believable, over, 1.0);
+            Judgement::first_failed([believable]).map_or(Ok(play), Err)
         };
         let play = match Judgement::first_failed(gates).map_or_else(timed, Err) {
             Ok(play) => play,
@@ -106,6 +106,11 @@ pub(super) fn rattling_gears(session: &Session, options: &Options) -> Result<Imp
     Ok(Impacts { found, rejected, open_play, logs: Some(logs) })
 }
 
+/// Whether the held-out logs show impacts too, by the logarithm of their p-value; with no change of sign of the load they cannot.
+fn impacts_again(log_p: f64, changes: usize, levels: &Levels) -> Judgement {
+    Judgement::at_most(Gate::ImpactsAgain, log_p.exp(), levels.usual_p).or(changes == 0)
+}
+
 fn named(
     effect: &'static dyn Effect,
     (joint, rivals): (usize, &[usize]),
@@ -136,5 +141,18 @@ fn named(
         rms: Default::default(),
         withdrawn: None,
         impacts: Some(play.clone()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn either_side_of_impacts_again() {
+        let levels = Levels::default();
+        let passes = |p: f64, changes: usize| impacts_again(p.ln(), changes, &levels).passed;
+        assert!(passes(levels.usual_p - 1e-9, 3) && !passes(levels.usual_p + 1e-9, 3));
+        assert!(passes(1.0, 0));
     }
 }

@@ -123,7 +123,7 @@ pub(super) fn reselect(
         return Ok(changed);
     }
     while !watch.is_over()
-        && let Some(exchange) = one_body(session, found, everywhere, multiplicity, alpha)?
+        && let Some(exchange) = one_body(session, found, everywhere, (multiplicity, alpha), rejected)?
     {
         let first = exchange.places[0];
         exchange.make(found, first);
@@ -161,13 +161,13 @@ pub(super) fn reselect(
                 changed = true;
             }
             Outcome::Refused(Refusal { may_be, failed, .. }) => {
+                rejected.push(Rejected { slot: winner.candidate.slot(), failed });
                 if failed.gate == Gate::EarlierParameters
-                    && let Some(exchange) = exchanged(session, found, index, &winner, multiplicity, alpha)?
+                    && let Some(exchange) = exchanged(session, found, index, &winner, (multiplicity, alpha), rejected)?
                 {
                     (next, changed) = (exchange.make(found, index) + 1, true);
                     continue;
                 }
-                rejected.push(Rejected { slot: winner.candidate.slot(), failed });
                 // It explains the residual better than the finding does, and is not significant enough to replace it.
                 if may_be {
                     found[index].may_also_be(new);

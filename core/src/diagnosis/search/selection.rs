@@ -13,7 +13,7 @@ use super::play::rattling_gears;
 use super::reselection::reselect;
 use super::round::{Round, converged, settled};
 use crate::diagnosis::Options;
-use crate::diagnosis::criteria::{Gate, Judgement};
+use crate::diagnosis::criteria::{Gate, Judgement, Levels};
 use crate::diagnosis::evidence::{Multiplicity, Ranked, ranking};
 use crate::diagnosis::model::{Candidate, Family, Member, Session, is_event, shapes};
 use crate::diagnosis::noise::Whitener;
@@ -38,7 +38,7 @@ pub(crate) struct Selection {
     pub whitener: Whitener,
     /// The noise before anything was found.
     pub first_whitener: Whitener,
-    /// What the model with all of them leaves of the held-out logs.
+    /// Residual of the held-out logs with all of them.
     pub held_out: Column,
     /// How many independent tests the scan is worth.
     pub multiplicity: Multiplicity,
@@ -169,7 +169,7 @@ pub(crate) fn select(session: &mut Session, options: &Options, watch: &mut Watch
     let superfluous = drop_superfluous(session, &mut found)?;
     let dropped = !superfluous.is_empty();
     rejected.extend(superfluous);
-    let simpler = simpler_pairs(session, &mut found, &round.all, &multiplicity, options)?;
+    let simpler = simpler_pairs(session, &mut found, &round.all, &multiplicity, options, &mut rejected)?;
     let reselected = reselect(session, &mut found, &round.all, &multiplicity, options, &mut rejected, watch)?;
     let Round { mut whitener, scan, all, .. } = round;
     // What would be significant with an estimate that cannot be.
@@ -261,11 +261,28 @@ fn drop_superfluous(session: &Session, found: &mut Vec<Found>) -> Result<Vec<Rej
                 least = (log_p, index);
             }
         }
-        let needed = Judgement::at_most(Gate::Needed, least.0.exp(), session.criteria.levels.sure_p);
+        let needed = is_needed(least.0, &session.criteria.levels);
         if needed.passed {
             break;
         }
         dropped.push(Rejected { slot: found.remove(least.1).member.candidate.slot(), failed: needed });
     }
     Ok(dropped)
+}
+
+/// Whether the others do not make a finding superfluous, by the logarithm of its p-value with them in the model.
+fn is_needed(log_p: f64, levels: &Levels) -> Judgement {
+    Judgement::at_most(Gate::Needed, log_p.exp(), levels.sure_p)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn either_side_of_superfluous() {
+        let levels = Levels::default();
+        let needed = |p: f64| is_needed(p.ln(), &levels).passed;
+        assert!(needed(levels.sure_p * (1.0 - 1e-9)) && !needed(levels.sure_p * (1.0 + 1e-9)));
+    }
 }

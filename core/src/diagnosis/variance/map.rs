@@ -151,7 +151,7 @@ impl JointMap {
 }
 
 impl ResidualMap {
-    /// The map of what `fixed` leaves of the torque of `data`, along the torque of `arm`; `alpha` is the family-wise level.
+    /// The map of the residual of the torque of `data` under the columns `fixed`, along the torque of `arm`; `alpha` is the family-wise level.
     pub fn new(data: &DataSet, fixed: &[Column], arm: &Arm, criteria: &Criteria, alpha: f64, seed: u64) -> Self {
         let rows = &data.rows;
         let torque = torques(arm, rows);
@@ -180,7 +180,7 @@ pub(crate) fn torques(arm: &Arm, rows: &Rows) -> Vec<Vec<f64>> {
     (0..rows.dof()).map(part).collect()
 }
 
-/// The regression made white with the first-order correlation that its own fit leaves, the fit, and that correlation.
+/// The regression made white with the first-order correlation of its own residual, the fit, and that correlation.
 pub(super) fn coloured_fit(raw: &Raw) -> (Design, Fit, f64) {
     let mut rho = 0.0;
     let mut design = raw.design(rho);

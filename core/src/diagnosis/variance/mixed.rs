@@ -1,9 +1,9 @@
 //! Restricted maximum likelihood of the strengths of random effects.
 //!
-//! The model is a linear mixed model per joint, `y = X b + sum_k Z_k u_k + e` with `u_k ~ N(0, s_k^2 I)`: strengths by restricted
-//! maximum likelihood (Patterson and Thompson, 1971; fixed point of MacKay, 1992), tests by the score of each component
-//! (Lin, 1997) with signs flipped block by block (wild cluster bootstrap: Cameron, Gelbach and Miller, 2008), so that neither
-//! the noise's spectrum nor its scale has to be known.
+//! The model is a linear mixed model per joint, `y = X b + sum_k Z_k u_k + e` with `u_k ~ N(0, s_k^2 I)`. Strengths are estimated by
+//! restricted maximum likelihood (Patterson and Thompson, 1971; fixed point of MacKay, 1992). Each component is tested by its score (Lin,
+//! 1997) with signs flipped block by block (wild cluster bootstrap: Cameron, Gelbach and Miller, 2008), so that neither the spectrum of the
+//! noise nor its scale has to be known.
 
 use super::design::Design;
 use crate::linear::{Cholesky, transposed_product};

@@ -1,12 +1,13 @@
 //! Score tests of variance components under flipped signs.
 //!
-//! The score of a component is `g = Z_k' P y`, a sum over rows. Under the null hypothesis its parts from blocks of time longer than the
-//! noise remembers are independent and as likely of either sign: flipping the signs of whole blocks at random draws the score, whatever
-//! the spectrum, the scale and the changes of scale of the noise (wild cluster bootstrap with residuals under the null hypothesis, which
-//! keeps its level where those of the full model are smaller than the noise: Cameron, Gelbach and Miller, 2008).
+//! The score of a component is `g = Z_k' P y`, a sum over rows, of which each block of time has a part. If blocks are longer than the noise
+//! remembers, these parts are independent and as likely of either sign under the null hypothesis. Flipping the signs of whole blocks at
+//! random then draws the score, whatever the spectrum, the scale and the changes of scale of the noise. This is the wild cluster bootstrap
+//! with residuals under the null hypothesis (Cameron, Gelbach and Miller, 2008). It keeps its level where residuals of the full model are
+//! smaller than the noise.
 //!
 //! A fit with more columns than there are blocks takes much of the noise in each, most of what is slow. So the residual of a block is
-//! scaled up by the inverse root of the share that the fit leaves of it (CR2: Bell and McCaffrey, 2002) before signs are flipped.
+//! multiplied by the inverse square root of its block of the residual maker I - H (CR2: Bell and McCaffrey, 2002) before signs are flipped.
 
 use super::design::Design;
 use super::mixed::{Fit, Posterior};
@@ -69,7 +70,7 @@ struct Null<'a> {
     noise: f64,
     posterior: Option<Posterior>,
     blocks: &'a [Range<usize>],
-    /// What the fit leaves of the torque.
+    /// Residual of the torque.
     residual: DVector<f64>,
     /// The same block by block, as large as the noise is.
     scaled: DVector<f64>,
@@ -105,7 +106,7 @@ impl<'a> Null<'a> {
     }
 }
 
-/// What the model leaves of columns from which the fixed ones are projected out.
+/// Residuals of columns from which the fixed ones are projected out.
 fn left(design: &Design, posterior: Option<&Posterior>, noise: f64, columns: &DMatrix<f64>) -> DMatrix<f64> {
     posterior.map_or_else(|| columns.clone(), |posterior| posterior.residual_of(design, columns, noise))
 }

@@ -1,8 +1,8 @@
 //! Link inertia error: one link's inertial parameters are not those of the model.
 
 use super::payload::load;
-use super::plausible::{can_be, length, mass, spread};
-use crate::effects::{About, Derived, Effect, Hidden, Nature, Parameter, Rival, Role, Scope, Site};
+use super::plausible::{LIMITS_OF_LINK, length, mass, over_limit, spread};
+use crate::effects::{About, Derived, Effect, Hidden, Limit, Nature, Parameter, Rival, Role, Scope, Site};
 use crate::robot::{Inertia, Robot, Unit};
 
 /// Ten inertial parameters, about the joint frame, added to a link.
@@ -92,10 +92,14 @@ impl Effect for LinkInertiaError {
         Some(spread(mass(robot, joint), length(robot, joint)))
     }
 
-    fn is_believable(&self, p: &[f64], joint: usize, robot: &Robot) -> bool {
+    fn limits(&self) -> &'static [Limit] {
+        &LIMITS_OF_LINK
+    }
+
+    fn over_limit(&self, p: &[f64], joint: usize, robot: &Robot) -> f64 {
         let mut changed = robot.clone();
         self.alter(p, joint, &mut changed);
-        can_be(&changed.joints[joint].inertia, robot, joint)
+        over_limit(&changed.joints[joint].inertia, robot, joint)
     }
 
     fn is_body(&self) -> bool {

@@ -3,16 +3,17 @@
 //! A link that differs from its description is still about that link: its mass of the same order, its centre of mass within
 //! its length. Without that a wrong link explains what a balancer or a spring does, by a mass behind the joint.
 
+use crate::effects::Limit;
 use crate::robot::{Inertia, Robot};
 
 /// Shortest length that counts for a link, m.
 const SHORTEST_M: f64 = 0.1;
 
-/// How far from its joint the centre of mass of a link may lie, over the link's length.
-const REACH: f64 = 1.25;
-
-/// How many times its mass a link may weigh more than described.
-const HEAVIER: f64 = 3.0;
+/// How many times its mass a link may weigh more than described, and how far from its joint its centre of mass may lie.
+pub(super) static LIMITS_OF_LINK: [Limit; 2] = [
+    Limit::most("mass added, over that of the description", 3.0),
+    Limit::most("distance of the centre of mass from the joint, over the length of the link", 1.25),
+];
 
 /// Least mass of a link over that of the arm, and of an arm, kg.
 const LIGHTEST_SHARE: f64 = 0.01;
@@ -28,12 +29,17 @@ pub(super) fn spread(mass: f64, length: f64) -> Vec<f64> {
     (0..10).map(of).collect()
 }
 
-/// Whether a link can be `after` a change.
-pub(super) fn can_be(after: &Inertia, robot: &Robot, joint: usize) -> bool {
-    let before = &robot.joints[joint].inertia;
-    after.mass() > 0.0
-        && after.mass() <= before.mass() + HEAVIER * mass(robot, joint)
-        && after.first_moment().norm() <= REACH * length(robot, joint) * after.mass()
+/// The mass that a link `after` a change has more than before, or the distance of its centre of mass, over their limits; infinite without
+/// mass.
+pub(super) fn over_limit(after: &Inertia, robot: &Robot, joint: usize) -> f64 {
+    if after.mass() > 0.0 {
+        let [heavier, reach] = &LIMITS_OF_LINK;
+        let added = (after.mass() - robot.joints[joint].inertia.mass()) / mass(robot, joint);
+        let distance = after.first_moment().norm() / after.mass();
+        heavier.over(added).max(reach.over(distance / length(robot, joint)))
+    } else {
+        f64::INFINITY
+    }
 }
 
 /// Mass that a link may be taken for, kg; one that is described as next to nothing is a part of the arm all the same.
@@ -56,6 +62,7 @@ pub(super) fn length(robot: &Robot, joint: usize) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use super::{LIMITS_OF_LINK, length};
     use crate::effects::{Placed, find};
     use crate::robot::{InertiaCheck, Robot, load};
 
@@ -67,22 +74,34 @@ mod tests {
     fn a_balancer_is_no_link() {
         let robot = arm();
         let mut error = Placed::typical(find("link_inertia_error").unwrap(), 1).absent();
-        let is_believable = |error: &Placed| error.effect.is_believable(&error.parameters, error.joint, &robot);
-        assert!(is_believable(&error));
+        let over_limit = |error: &Placed| error.effect.over_limit(&error.parameters, error.joint, &robot);
+        assert!(over_limit(&error) <= 1.0);
         error.parameters[1] = 0.1;
-        assert!(is_believable(&error));
+        assert!(over_limit(&error) <= 1.0);
         // A centre of mass two metres behind the joint.
         error.parameters[1] = -2.0 * robot.joints[1].inertia.mass() - robot.joints[1].inertia.first_moment().x;
-        assert!(!is_believable(&error));
-        error.parameters = vec![-1e3, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
-        assert!(!is_believable(&error));
+        let reach = LIMITS_OF_LINK[1].over(2.0 / length(&robot, 1));
+        assert!(over_limit(&error) >= reach && reach > 1.0);
+        // Three times its mass more is the most; without mass there is no link.
+        let masses = |change: f64| vec![change, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
+        error.parameters = masses((1.0 + 1e-9) * 3.0 * robot.joints[1].inertia.mass());
+        assert!((over_limit(&error) - 1.0).abs() < 1e-8 && over_limit(&error) > 1.0);
+        error.parameters = masses(-1e3);
+        assert_eq!(over_limit(&error), f64::INFINITY);
     }
 
     #[test]
     fn an_encoder_errs_by_degrees_at_most() {
         let eccentricity = find("encoder_eccentricity").unwrap();
-        let is_believable = |sine: f64, cosine: f64| eccentricity.is_believable(&[sine, cosine], 1, &arm());
-        assert!(is_believable(0.03, -0.0399) && !is_believable(0.03, -0.0401));
+        let over_limit = |sine: f64, cosine: f64| eccentricity.over_limit(&[sine, cosine], 1, &arm());
+        assert!(over_limit(0.03, -0.0399) < 1.0 && over_limit(0.03, -0.0401) > 1.0);
+    }
+
+    #[test]
+    fn play_below_the_noise_of_encoders_is_none() {
+        let over_limit = |half_gap: f64| find("backlash").unwrap().over_limit(&[half_gap], 1, &arm());
+        assert_eq!([over_limit(5e-6), over_limit(1e-5), over_limit(0.0)], [1.0, 0.5, f64::INFINITY]);
+        assert!(over_limit(4.99e-6) > 1.0);
     }
 
     #[test]

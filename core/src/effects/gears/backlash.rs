@@ -1,6 +1,6 @@
 //! Backlash: play in the gear, in which motor and link move freely of each other.
 
-use crate::effects::{About, Effect, Gear, Hidden, Nature, Parameter, Rival, Role, Scope, Site};
+use crate::effects::{About, Effect, Gear, Hidden, Limit, Nature, Parameter, Rival, Role, Scope, Site};
 use crate::robot::{Robot, Unit};
 
 /// A dead zone of +- half_gap between motor and link.
@@ -52,9 +52,9 @@ static PARAMETERS: [Parameter; 1] = [Parameter {
     typical: 5e-4,
 }];
 
-/// Least half gap of a gear, rad or m: about an arc second, and 5 um. Gears without play are specified to a minute. What is timed or fitted
-/// as less is noise of the encoders that the controller feeds back.
-const NARROWEST: f64 = 5e-6;
+/// About an arc second, and 5 um: gears without play are specified to a minute. What is timed or fitted as less is noise of the encoders that
+/// the controller feeds back.
+static LIMITS: [Limit; 1] = [Limit::least("half_gap, rad or m", 5e-6)];
 
 impl Effect for Backlash {
     fn about(&self) -> &'static About {
@@ -69,8 +69,12 @@ impl Effect for Backlash {
         &PARAMETERS
     }
 
-    fn is_believable(&self, p: &[f64], _: usize, _: &Robot) -> bool {
-        p[0] >= NARROWEST
+    fn limits(&self) -> &'static [Limit] {
+        &LIMITS
+    }
+
+    fn over_limit(&self, p: &[f64], _: usize, _: &Robot) -> f64 {
+        LIMITS[0].over(p[0])
     }
 
     /// No position below the noise of the encoder is known.

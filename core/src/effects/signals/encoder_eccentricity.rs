@@ -1,6 +1,6 @@
 //! Encoder eccentricity: the logged position errs once per revolution, as with a disc mounted off its centre.
 
-use crate::effects::{About, Effect, Hidden, Nature, Parameter, Rival, Role, Scope, Site};
+use crate::effects::{About, Effect, Hidden, Limit, Nature, Parameter, Rival, Role, Scope, Site};
 use crate::robot::{Robot, Unit};
 
 /// Logged position = q + e sin(q - phi), as q + s sin q + c cos q with s = e cos phi, c = -e sin phi.
@@ -53,8 +53,8 @@ const fn part(name: &'static str, symbol: &'static str, typical: f64) -> Paramet
     Parameter { name, symbol, unit: Unit::Position, role: Role::Departure, lower: -0.2, upper: 0.2, typical }
 }
 
-/// Largest error of an encoder that works, rad: a disc of 10 mm radius that runs 0.5 mm off its centre.
-const LARGEST: f64 = 0.05;
+/// An encoder that works: a disc of 10 mm radius that runs 0.5 mm off its centre.
+static LIMITS: [Limit; 1] = [Limit::most("eccentricity, the root of sine^2 + cosine^2, rad or m", 0.05)];
 
 static PARAMETERS: [Parameter; 2] = [part("sine", "s", 0.008), part("cosine", "c", -0.006)];
 
@@ -67,8 +67,12 @@ impl Effect for EncoderEccentricity {
         &PARAMETERS
     }
 
-    fn is_believable(&self, p: &[f64], _: usize, _: &Robot) -> bool {
-        p[0].hypot(p[1]) <= LARGEST
+    fn limits(&self) -> &'static [Limit] {
+        &LIMITS
+    }
+
+    fn over_limit(&self, p: &[f64], _: usize, _: &Robot) -> f64 {
+        LIMITS[0].over(p[0].hypot(p[1]))
     }
 
     /// No position below the noise of the encoder is known.

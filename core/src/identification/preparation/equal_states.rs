@@ -16,10 +16,6 @@ const SAME_POSITION: f64 = 0.01;
 /// Velocities nearer than this are equal, rad/s or m/s: sensors resolve no less.
 const SAME_VELOCITY: f64 = 0.02;
 
-/// Share of the rows after a change that must have an equal state before, so that differences are worth while: below it they see
-/// only a part of the motion.
-pub(crate) const MATCHED: f64 = 0.5;
-
 /// States of one log.
 #[derive(Debug, Clone, Default)]
 pub struct States {

@@ -84,9 +84,9 @@ impl Blocks {
 /// Residuals of the held-out rows before and after, `valid` where they count (`[joint][row]`), and the noise of each joint.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::diagnosis::answer) struct Residuals<'a> {
-    /// What the one model leaves.
+    /// Residual of the one model.
     pub before: &'a Column,
-    /// What the other one leaves.
+    /// Residual of the other one.
     pub after: &'a Column,
     /// Valid rows.
     pub valid: &'a [Vec<bool>],

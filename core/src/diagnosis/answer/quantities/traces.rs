@@ -53,7 +53,7 @@ pub struct Evidence {
 }
 
 impl Evidence {
-    /// Lays out the held-out rows of a session with what the arm as described, the baseline and the extended model leave.
+    /// Lays out the held-out rows of a session with the residuals of the arm as described, of the baseline and of the extended model.
     ///
     /// # Errors
     /// If a log is too short to differentiate.

@@ -244,19 +244,16 @@ impl<'a> Session<'a> {
         arm
     }
 
-    /// Whether the last of `members` turns the sign of one found before that has one sign only: both then describe the same, and
+    /// Number of those found before that have one sign only and whose sign the last of `members` turns: both then describe the same, and
     /// the former with a law that cannot be. `solved` is the fit of all of them.
-    pub(crate) fn turns_unphysical(&self, members: &[Member], solved: &Solved) -> bool {
+    pub(crate) fn turns_unphysical(&self, members: &[Member], solved: &Solved) -> usize {
         let earlier = &members[..members.len().saturating_sub(1)];
         let blocks = self.blocks(earlier).members;
-        let turned = earlier.iter().zip(&blocks).filter(|(member, _)| !member.held).find(|(member, block)| {
+        let turned = earlier.iter().zip(&blocks).filter(|(member, _)| !member.held).filter(|(member, block)| {
             let is_positive = member.candidate.one_sided() && member.factors[0] > 0.0;
             is_positive && solved.values[block.amplitudes.start] < 0.0
         });
-        if let Some((member, _)) = turned {
-            tracing::debug!(family = ?member.candidate.family(), "turns unphysical");
-        }
-        turned.is_some()
+        turned.inspect(|(member, _)| tracing::debug!(family = ?member.candidate.family(), "turns unphysical")).count()
     }
 
     /// For each amplitude that the training rows determine in the fit `without` one more member, and not in that `with` it: which of the

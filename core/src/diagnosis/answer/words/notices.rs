@@ -1,12 +1,8 @@
-//! Notes on the logs that belong to the answer: mixed rates, delays of the sampling, smooth friction, extrapolation; what to
-//! do about faults that stop a diagnosis, and what to do next.
+//! Notices on the logs that belong to the answer: mixed rates, delays of the sampling, smooth friction, extrapolation; and what to do about
+//! faults that stop a diagnosis.
 
-use super::diagnosis::Diagnosis;
-use crate::diagnosis::criteria::Levels;
-use crate::diagnosis::lack_of_fit::{LOGS_DISAGREE, Unexplained};
+use crate::diagnosis::answer::diagnosis::Diagnosis;
 use crate::diagnosis::logs::{Consequence, DataFault};
-use crate::diagnosis::search::Found;
-use crate::identification::effect_model::Trust;
 use crate::output::significant;
 use crate::quality::Kind;
 use crate::robot::{Joint, Robot};
@@ -43,7 +39,7 @@ pub fn shown(robot: &Robot, diagnosis: &Diagnosis) -> Vec<String> {
 }
 
 /// Notice on logs that follow the motions of the reference logs.
-pub(super) fn equal_states(diagnosis: &Diagnosis) -> Option<String> {
+pub(in crate::diagnosis::answer) fn equal_states(diagnosis: &Diagnosis) -> Option<String> {
     diagnosis.scope.equal_states.map(|share| {
         format!(
             "the logs follow the motions of the reference logs: {:.0} % of the rows have an equal state there, and residuals are differences \
@@ -54,7 +50,7 @@ pub(super) fn equal_states(diagnosis: &Diagnosis) -> Option<String> {
 }
 
 /// Notice on a search that was ended before it was done.
-pub(super) fn unfinished(diagnosis: &Diagnosis) -> Option<String> {
+pub(in crate::diagnosis::answer) fn unfinished(diagnosis: &Diagnosis) -> Option<String> {
     diagnosis.unfinished.then(|| {
         "the search ended early: effects and alternatives may be missing. Repeat it with a longer --budget, or without one"
             .to_owned()
@@ -62,14 +58,14 @@ pub(super) fn unfinished(diagnosis: &Diagnosis) -> Option<String> {
 }
 
 /// Notice on a search that ended with as many findings as were asked for.
-pub(super) fn most_findings(diagnosis: &Diagnosis) -> Option<String> {
+pub(in crate::diagnosis::answer) fn most_findings(diagnosis: &Diagnosis) -> Option<String> {
     diagnosis.is_full.then(|| {
         "the search ended at the largest number of findings: more effects may act. Repeat it with a larger --max-findings".to_owned()
     })
 }
 
 /// Notice on logs of several rates.
-pub(super) fn mixed_rates(diagnosis: &Diagnosis) -> Option<String> {
+pub(in crate::diagnosis::answer) fn mixed_rates(diagnosis: &Diagnosis) -> Option<String> {
     let each: Vec<String> = diagnosis.logs.rates_hz.iter().map(|hz| format!("{hz:.0}")).collect();
     (each.len() > 1).then(|| {
         format!(
@@ -81,7 +77,7 @@ pub(super) fn mixed_rates(diagnosis: &Diagnosis) -> Option<String> {
 }
 
 /// Notice on delays and lags that are of the sampling.
-pub(super) fn sampling(robot: &Robot, diagnosis: &Diagnosis) -> Option<String> {
+pub(in crate::diagnosis::answer) fn sampling(robot: &Robot, diagnosis: &Diagnosis) -> Option<String> {
     let each = diagnosis.of_sampling.iter().map(|short| {
         let [time, std] = short.seconds.map(|seconds| significant(1e3 * seconds));
         match short.joint {
@@ -99,7 +95,7 @@ pub(super) fn sampling(robot: &Robot, diagnosis: &Diagnosis) -> Option<String> {
 }
 
 /// Notice on friction that does not change its direction at once.
-pub(super) fn smooth_friction(robot: &Robot, diagnosis: &Diagnosis) -> Option<String> {
+pub(in crate::diagnosis::answer) fn smooth_friction(robot: &Robot, diagnosis: &Diagnosis) -> Option<String> {
     let rounding = &diagnosis.logs.coulomb_rounding;
     let each = robot.joints.iter().zip(rounding).filter(|(_, own)| own.width() > 0.0);
     let each: Vec<(&str, String)> = each
@@ -127,7 +123,7 @@ pub(super) fn smooth_friction(robot: &Robot, diagnosis: &Diagnosis) -> Option<St
 }
 
 /// Notice where the training logs leave the model more open on the held-out logs than the noise.
-pub(super) fn extrapolation(robot: &Robot, diagnosis: &Diagnosis) -> Option<String> {
+pub(in crate::diagnosis::answer) fn extrapolation(robot: &Robot, diagnosis: &Diagnosis) -> Option<String> {
     let each = diagnosis.errors.prediction_std.iter().zip(&diagnosis.errors.noise_floor).zip(&robot.joints);
     let open = each.filter(|((std, noise), _)| std > noise).map(|((std, noise), joint)| match std.is_finite() {
         true => format!("{} (standard deviation {}, noise {})", joint.name, effort(joint, *std), effort(joint, *noise)),
@@ -155,88 +151,4 @@ pub fn effort(joint: &Joint, value: f64) -> String {
 /// A value with its unit; ratios have none.
 pub fn with_unit(value: String, unit: &str) -> String {
     if unit == "1" { value } else { format!("{value} {unit}") }
-}
-
-/// Root mean squares over the held-out logs, `[joint]`, N m: what the arm as described leaves, the residual of the extended model, and the
-/// noise.
-pub(super) struct Sizes<'a> {
-    pub described: &'a [f64],
-    pub left: &'a [f64],
-    pub noise: &'a [f64],
-}
-
-/// What to do next, where the question is what changed or what is. Of what is open the largest comes first, over the noise of its joint.
-pub(super) fn next_experiment(
-    found: &[Found],
-    unexplained: &[Unexplained],
-    (robot, trust, of_change): (&Robot, Trust, bool),
-    Sizes { described, left, noise }: Sizes,
-    levels: &Levels,
-) -> String {
-    if unexplained.iter().any(|left| left.structure == LOGS_DISAGREE) {
-        return "the held-out logs disagree with the training logs: check that all are of one arm with one load, and give them as training \
-                logs, or the others as --reference, to ask what changed"
-            .into();
-    }
-    let explained = |found: &Found| {
-        let [before, after] = &found.rms;
-        let gains = before.iter().zip(after).zip(noise).map(|((b, a), noise)| (b * b - a * a) / (noise * noise));
-        gains.fold(0.0, f64::max)
-    };
-    let open = |structure: &Unexplained| structure.share * (left[structure.joint] / noise[structure.joint]).powi(2);
-    let tied = found.iter().filter_map(|found| Some((explained(found), found, found.alternatives.first()?)));
-    let tied = tied.max_by(|(a, ..), (b, ..)| a.total_cmp(b));
-    let structure = unexplained.iter().max_by(|a, b| open(a).total_cmp(&open(b)));
-    let is_larger = |size: f64| structure.is_none_or(|structure| size >= open(structure));
-    if let Some((_, found, other)) = tied.filter(|(size, ..)| is_larger(*size)) {
-        let about = found.member.placed.effect.about();
-        let how = about.rivals.iter().find(|rival| rival.name == other.family.effect).map(|rival| rival.how_to_tell);
-        let how = how.unwrap_or("record motions of other speeds, ranges and loads");
-        let on = |effect: &str, joint: usize| match found.member.candidate.family().effect == other.family.effect {
-            true => format!("{effect} on {}", robot.joints[joint].name),
-            false => effect.to_owned(),
-        };
-        let [own, other] = [on(about.name, found.member.placed.joint), on(other.family.effect, other.family.joint)];
-        return format!("to separate {own} from {other}: {how}");
-    }
-    if let Some(structure) = structure {
-        let joint = &robot.joints[structure.joint].name;
-        return format!(
-            "move {joint} alone over its whole range, slowly and fast, both ways: the residual {}",
-            structure.structure
-        );
-    }
-    // What is asked is the change alone: how far off the description is, is no part of it.
-    let off = |joint: usize| if of_change { 1.0 } else { described[joint] / left[joint] };
-    let worst = (0..robot.dof()).max_by(|&a, &b| off(a).total_cmp(&off(b))).filter(|&joint| off(joint) > levels.far);
-    match (found.is_empty(), worst) {
-        (true, Some(joint)) if trust == Trust::Nominal => format!(
-            "the friction and the rotors of the description are off (the residual of {} is {:.1} times that with re-identified ones): \
-             extended.urdf holds these",
-            robot.joints[joint].name,
-            off(joint)
-        ),
-        (true, Some(joint)) if robot.placeholders().is_some() => format!(
-            "the residual of {} is {:.1} times that with re-identified inertias and friction, since the inertias of the description are \
-             placeholders: extended.urdf holds the re-identified ones",
-            robot.joints[joint].name,
-            off(joint)
-        ),
-        (true, Some(joint)) if robot.joints[joint].drive.is_frictionless() => format!(
-            "the residual of {} is {:.1} times that with re-identified inertias and friction, since the description has no friction there: \
-             extended.urdf holds the re-identified ones. --trust nominal shows whether its inertias are right or a load is missing",
-            robot.joints[joint].name,
-            off(joint)
-        ),
-        (true, Some(joint)) => format!(
-            "the description is off (the residual of {} is {:.1} times that with re-identified inertias and friction): extended.urdf holds \
-             these. A payload or one wrong link shows with --trust nominal, or with logs from before it as --reference",
-            robot.joints[joint].name,
-            off(joint)
-        ),
-        (true, None) => "a longer or livelier motion lowers the minimum detectable sizes".into(),
-        (false, _) => {
-            "record a new motion and repeat the diagnosis with --scenario extended.toml: no residual above the noise should remain".into()
-        }
-    }
 }

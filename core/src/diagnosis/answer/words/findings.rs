@@ -1,8 +1,8 @@
 //! Findings as `diagnosis.json` and the reports hold them: effect, joints, parameters with units, alternatives.
 
-use super::diagnosis::Diagnosis;
-use super::inertias::Gain;
-use super::quantities::Derived;
+use crate::diagnosis::answer::diagnosis::Diagnosis;
+use crate::diagnosis::answer::inertias::Gain;
+use crate::diagnosis::answer::quantities::Derived;
 use crate::diagnosis::criteria::{Judgement, Levels};
 use crate::diagnosis::model::Family;
 use crate::diagnosis::search::{Found, Verdict};
@@ -123,7 +123,7 @@ pub struct NamedParameter {
 }
 
 /// The law that stands for the inertias of the description as a whole.
-pub(super) fn law_of_inertias() -> &'static str {
+pub(in crate::diagnosis::answer) fn law_of_inertias() -> &'static str {
     effects::wrong_inertia().about().name
 }
 

@@ -37,11 +37,14 @@ pub(super) struct Searched {
     pub accepted: Option<Accepted>,
     /// Those that failed a gate.
     pub rejected: Vec<Rejected>,
+    /// Whether a lasting law explains more than any of them: none was tried.
+    pub postponed: bool,
 }
 
 /// An event of `all` candidates that the noise under the model with `members`, that of `whitener`, holds, or why the clearest was rejected.
 /// The clearest are tried first, as many as may be refused in a search that adds to another ([`crate::diagnosis::SearchCriteria::refusals`]).
-/// None is looked for where no joint's residual is far above the noise of its sensor. `alpha` is the family-wise level.
+/// None is looked for where no joint's residual is far above the noise of its sensor, nor where one of the `lasting` laws explains more by
+/// plain least squares than any event: what a load does looks like one event after the other. `alpha` is the family-wise level.
 ///
 /// # Errors
 /// If a log is too short to differentiate.
@@ -49,6 +52,7 @@ pub(super) fn held_by_noise(
     session: &Session,
     members: &[Member],
     (all, whitener): (&[Candidate], &Whitener),
+    lasting: &[&Candidate],
     (multiplicity, alpha): (&Multiplicity, f64),
 ) -> Result<Searched> {
     let criteria = &session.criteria;
@@ -65,6 +69,13 @@ pub(super) fn held_by_noise(
     let fit = plain.fit(&present, &session.logs.train.torque);
     let events: Vec<&Candidate> = all.iter().filter(|candidate| is_event(candidate.placed.effect)).collect();
     let judged: Vec<Judged> = events.into_par_iter().filter_map(|event| session.judge(event, &plain, &fit)).collect();
+    let explained = |candidate: &&Candidate| session.judge(candidate, &plain, &fit).map(|judged| judged.test.statistic);
+    let of_lasting = lasting.iter().filter_map(explained).fold(0.0, f64::max);
+    let of_events = judged.iter().map(|judged| judged.test.statistic).fold(0.0, f64::max);
+    if of_lasting > of_events {
+        tracing::debug!(of_lasting, of_events, "a lasting law explains more than any event");
+        return Ok(Searched { postponed: true, ..Searched::default() });
+    }
     let mut rejected = Vec::new();
     for seen in clearest(judged).into_iter().take(criteria.search.refusals[1]) {
         let seen = session.refined(seen, &plain, &fit)?;
@@ -82,11 +93,13 @@ pub(super) fn held_by_noise(
         }
         let trial = Trial { session, members, whitener: &own, fit: &fit, multiplicity, alpha, tries: None };
         match trial.of(&winner, level, Some(own.clone()))? {
-            Outcome::Accepted(accepted) => return Ok(Searched { accepted: Some(*accepted), rejected }),
+            Outcome::Accepted(accepted) => {
+                return Ok(Searched { accepted: Some(*accepted), rejected, postponed: false });
+            }
             Outcome::Refused(Refusal { failed, .. }) => rejected.push(Rejected { slot, failed }),
         }
     }
-    Ok(Searched { accepted: None, rejected })
+    Ok(Searched { accepted: None, rejected, postponed: false })
 }
 
 /// The best of each slot, the largest statistic first; of equal ones that in all logs first, which held-out logs can confirm.

@@ -14,7 +14,7 @@ use super::reselection::reselect;
 use super::round::{Round, converged, settled};
 use crate::diagnosis::Options;
 use crate::diagnosis::criteria::{Gate, Judgement, Levels};
-use crate::diagnosis::evidence::{Multiplicity, Ranked, ranking};
+use crate::diagnosis::evidence::{Multiplicity, Ranked, Scan, ranking};
 use crate::diagnosis::model::{Candidate, Family, Member, Session, is_event, shapes};
 use crate::diagnosis::noise::Whitener;
 use crate::diagnosis::regression::{Column, rms};
@@ -24,6 +24,9 @@ use std::collections::BTreeMap;
 
 /// Candidates of each round that the log names.
 const LOGGED: usize = 14;
+
+/// Lasting laws that are compared with events before these are looked for.
+const STANDING_AGAINST: usize = 3;
 
 /// What the search came to.
 #[derive(Debug)]
@@ -74,19 +77,21 @@ pub(crate) fn select(session: &mut Session, options: &Options, watch: &mut Watch
     let multiplicity = round.scan.multiplicity(&round.fit, &round.whitener, options.seed);
     let ranking = ranking(&round.scan);
     // Events are looked for at first, and again once nothing else is found: every look fits each window of time anew.
-    let (mut events_asked, mut exhausted) = (None, false);
+    let (mut events_asked, mut postponed, mut exhausted) = (None, false, false);
     while found.len() < options.max_findings && !watch.is_over() {
         watch.tell(Progress::Found(found.len()));
         exhausted |= in_a_row >= session.criteria.search.refusals[0];
-        if events_asked.is_none() || exhausted {
+        if (events_asked.is_none() && !postponed) || exhausted {
             if events_asked == Some(found.len()) {
                 break;
             }
-            events_asked = Some(found.len());
             let present = members(&found);
-            let events =
-                held_by_noise(session, &present, (&round.all, &round.whitener), (&multiplicity, options.alpha))?;
+            // Once nothing else is found, no law that lasts stands against them.
+            let lasting = if exhausted { Vec::new() } else { clearest_lasting(&round.scan) };
+            let (candidates, level) = ((&round.all[..], &round.whitener), (&multiplicity, options.alpha));
+            let events = held_by_noise(session, &present, candidates, &lasting, level)?;
             rejected.extend(events.rejected);
+            (events_asked, postponed) = if events.postponed { (None, true) } else { (Some(found.len()), false) };
             if let Some(accepted) = events.accepted {
                 in_own_noise.clear();
                 found.push(Found::new(accepted, Vec::new()));
@@ -187,6 +192,12 @@ pub(crate) fn select(session: &mut Session, options: &Options, watch: &mut Watch
     let held_out = held_out_steps(session, &mut found, &whitener)?;
     let rejected = in_the_end(rejected, &found);
     Ok(Selection { found, is_full, rejected, whitener, first_whitener, held_out, multiplicity, ranking, sensitivity })
+}
+
+/// The laws that last and are the likeliest of a scan, of different families.
+fn clearest_lasting(scan: &Scan) -> Vec<&Candidate> {
+    let best = scan.best_per_family().into_iter().map(|judged| &judged.candidate);
+    best.filter(|candidate| !is_event(candidate.placed.effect)).take(STANDING_AGAINST).collect()
 }
 
 /// The next round, after one more effect was found: what was decided before it is decided again. Rows near the ends of an event are left

@@ -67,6 +67,7 @@ def identify(
     effects: Sequence[str] | str | None = None,
     dataset: PathLike | None = None,
     scenario: Scenario | None = None,
+    as_diagnose: bool = False,
     trust: str = "structure",
     window: int | None = None,
     order: int | None = None,
@@ -86,6 +87,7 @@ def identify(
     call.options(
         dataset=dataset,
         scenario=None if scenario is None else call.scenario(scenario),
+        as_diagnose=as_diagnose,
         trust=trust,
         window=window,
         order=order,

@@ -1,6 +1,7 @@
 //! What `identify` says of numbers that no drive has.
 
-use super::{Case, assert_done, text};
+use super::{Case, ROOT, assert_done, text};
+use serde_json::Value;
 use std::fmt::Write;
 
 /// A slide that lifts 10 kg: its rotor stands apart from the mass, which gravity shows.
@@ -75,4 +76,46 @@ fn block_means_take_a_cut_off_for_each_joint() {
     let refused = with("20,25");
     assert_eq!(refused.status.code(), Some(2));
     assert!(text(&refused.stderr).contains("are 2 for 1 joints"), "{}", text(&refused.stderr));
+}
+
+/// The parameters of an effect in a document of the results; they follow each other in the same order in both.
+fn parameters(effect: &Value) -> Vec<(&str, f64, f64)> {
+    let each = effect["parameters"].as_array().unwrap().iter();
+    each.map(|one| (one["name"].as_str().unwrap(), one["value"].as_f64().unwrap(), one["std"].as_f64().unwrap()))
+        .collect()
+}
+
+#[test]
+fn effects_are_estimated_as_diagnose_estimates_them() {
+    let case = Case::new(&[]);
+    let of = |file: &str| format!("{ROOT}/tests/reference/pendulum{file}");
+    let (robot, train, test) = (of(".urdf"), of("/train.csv"), of("/test.csv"));
+    let run = |command: &str, more: &[&str]| {
+        let logs = ["--robot", &robot, "--train", &train, "--test", &test, "--out", command];
+        case.tauscope(&[&[command], &logs[..], more].concat())
+    };
+    let output = run("identify", &["--effect", "torque_ripple", "--effect", "backlash", "--as-diagnose"]);
+    assert_done(&output);
+    assert_done(&run("diagnose", &["--candidates", "torque_ripple", "--no-resimulation"]));
+    let [identified, diagnosis] = ["identify/identification.json", "diagnose/diagnosis.json"]
+        .map(|file| -> Value { serde_json::from_str(&case.read(file)).unwrap() });
+    let estimated = &identified["as_diagnose"];
+    let (own, found) = (parameters(&estimated["effects"][0]), parameters(&diagnosis["findings"][0]));
+    assert!(own.len() >= 3 && own == found[..own.len()], "{own:?} {found:?}");
+    assert!(identified["without_effects"].is_object() && identified["with_effects"].is_null());
+    assert_eq!(estimated["left_out"][0]["effect"], "backlash");
+    let said = text(&output.stdout);
+    for words in ["torque_ripple:pivot harmonic", "with effects", "backlash:pivot: left out, since it is measured by"] {
+        assert!(said.contains(words), "{said}");
+    }
+
+    for (more, words) in [
+        (&["--as-diagnose"][..], "--effect"),
+        (&["--as-diagnose", "--effect", "torque_ripple", "--window", "31"], "--window"),
+        (&["--as-diagnose", "--effect", "backlash"], "measured by its impacts"),
+    ] {
+        let refused = run("identify", more);
+        assert_eq!(refused.status.code(), Some(2));
+        assert!(text(&refused.stderr).contains(words), "{}", text(&refused.stderr));
+    }
 }

@@ -35,9 +35,9 @@ mod watch;
 
 pub use answer::{
     Answer, Conclusion, DIAGNOSIS_SCHEMA, Derived, Diagnosis, DiagnosisBuilder, EXTENDED_MJCF, EXTENDED_SCENARIO,
-    EXTENDED_URDF, Engine, Errors, Evidence, ExtendedModel, Finding, Followed, Follows, Gain, LogSummary, Measured,
-    NamedAlternative, NamedParameter, NotFound, OfSampling, Outcome, ResidualStructure, Resimulation, Scope, Share,
-    Simulator, Worst,
+    EXTENDED_URDF, Engine, Errors, Estimated, EstimatedEffect, Evidence, ExtendedModel, Finding, Followed, Follows,
+    Gain, LeftOut, LogSummary, Measured, NamedAlternative, NamedParameter, NotFound, OfSampling, Outcome,
+    ResidualStructure, Resimulation, Scope, Share, Simulator, Worst,
 };
 pub use criteria::{
     ComparisonCriteria, Criteria, EstimateCriteria, Gate, Judgement, Levels, SearchCriteria, StructureCriteria,

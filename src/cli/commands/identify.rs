@@ -3,7 +3,7 @@
 use crate::cli::shared::{ArmArguments, DONE, Global, LogArguments, corrected, interrupt, print, progress, trust};
 use crate::dataset::arm::LoggedArm;
 use crate::dataset::{self, Dataset, Logs};
-use crate::diagnosis::Followed;
+use crate::diagnosis::{Diagnosis, Estimated, Followed};
 use crate::error::{Error, Result};
 use crate::identification::effect_model::{Preparation, Trust};
 use crate::identification::fit;
@@ -13,6 +13,7 @@ use crate::identification::smoothing_choice::{usual_block, window_of_log};
 use crate::identification::{Identification, Progress, Wanted};
 use crate::output::ResultFolder;
 use crate::recording::Recording;
+use crate::recording::lenient::Sieved;
 use crate::report::fit::{self as report, SCHEMA};
 use crate::report::viewer;
 use crate::robot::{self, Robot};
@@ -36,6 +37,15 @@ pub(crate) struct Arguments {
     /// Effect to fit together with the arm's parameters, `NAME` or `NAME:JOINT`; without a joint, on every joint. Repeatable.
     #[arg(long, value_name = "EFFECT", help_heading = "Model")]
     effect: Vec<String>,
+    /// Estimate the effects as `diagnose` estimates its findings: with its preparation of the logs, its noise and its standard deviations,
+    /// without a search. The arm is then fitted without them.
+    #[arg(
+        long,
+        requires = "effect",
+        conflicts_with_all = ["window", "order", "low_pass_hz", "block_means_hz", "decimation", "band"],
+        help_heading = "Model"
+    )]
+    as_diagnose: bool,
     /// Estimate the inertias (structure), or take them from the URDF (nominal).
     #[arg(long, value_parser = trust::parser(), default_value = "structure", help_heading = "Model")]
     trust: Trust,
@@ -69,10 +79,11 @@ pub(crate) struct Arguments {
     band: Option<f64>,
 }
 
-/// Relative times of reading logs, a fit without effects, one with effects, and the simulation.
+/// Relative times of reading logs, a fit without effects, one with effects, their estimates as of a diagnosis, and the simulation.
 const READING: u64 = 2;
 const FIT: u64 = 4;
 const WITH_EFFECTS: u64 = 16;
+const AS_DIAGNOSE: u64 = 24;
 const SIMULATING: u64 = 1;
 
 /// Fits and writes the results folder.
@@ -82,13 +93,24 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     let mut arm = arm(arguments, setup.as_ref(), dataset.as_ref())?;
     let simulates = dataset.is_none() && arguments.logs.train.is_empty() && setup.is_some();
     let reading = if simulates { 0 } else { READING };
-    let fits = if arguments.effect.is_empty() { FIT } else { FIT + WITH_EFFECTS };
+    let of_effects = match arguments.as_diagnose {
+        _ if arguments.effect.is_empty() => 0,
+        true => AS_DIAGNOSE,
+        false => WITH_EFFECTS,
+    };
     arguments.effect.iter().try_for_each(|effect| Wanted::from(effect).check(arm.robot()))?;
-    let mut stages = progress::Stages::new(global, &[reading, fits, FIT, SIMULATING]);
+    let mut stages = progress::Stages::new(global, &[reading, FIT + of_effects, FIT, SIMULATING]);
     stages.begin("reading the logs");
-    let Logs { train, test, mut notes, correction, torque_is_scaled, units } =
+    let (Logs { train, test, mut notes, correction, torque_is_scaled, units }, as_read) =
         logs(arguments, setup.as_ref(), dataset.as_ref(), &mut arm, global)?;
     let mut robot = arm.into_robot();
+    let as_diagnosed = match arguments.as_diagnose {
+        true => {
+            stages.begin("estimating the effects");
+            Some(as_diagnosed(arguments, &robot, as_read, [&train, &test], global)?)
+        }
+        false => None,
+    };
     notes.extend(robot.notes.clone());
     if let Some(description) = &correction {
         robot.gravity = description.gravity;
@@ -101,7 +123,8 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     let (train, test): (Vec<&Recording>, Vec<&Recording>) = (train.iter().collect(), test.iter().collect());
     let logs = fit::Logs { train: &train, test: &test };
     let question = Identification::of(&robot).train(logs.train.iter().copied()).test(logs.test.iter().copied());
-    let question = question.effects(&arguments.effect).trust(arguments.trust).preparation(preparation.clone());
+    let of_fit = if arguments.as_diagnose { &[][..] } else { &arguments.effect };
+    let question = question.effects(of_fit).trust(arguments.trust).preparation(preparation.clone());
     let question = question.progress(|now| match now {
         Progress::Arm => stages.begin("identifying"),
         Progress::Bodies => stages.begin("finding consistent parameters"),
@@ -128,7 +151,7 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     notes.extend(consistent.and_then(|bodies| report::undetermined_held_out(&robot, plain, bodies)));
     write_robot(&folder, identified)?;
     let found = report::Found { plain, extended, consistent, torque_is_scaled };
-    let result = report::result(&robot, arguments.trust, found, &notes);
+    let result = report::result(&robot, arguments.trust, found, &notes).with_estimates(as_diagnosed.clone());
     folder.write_json("identification.json", SCHEMA, &result)?;
     stages.begin("simulating the identified arm");
     let replayed = replayed(identified, logs, preparation);
@@ -138,7 +161,9 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     let path = folder.finish()?;
     print::result(global, SCHEMA, &result, || {
         let notes = notes.iter().fold(String::new(), |text, note| text + note + "\n");
-        format!("{notes}{}\n\nResults in {}", report::tables(&robot, found), path.display())
+        let estimates = as_diagnosed.iter().map(|one| format!("\n\n{}", report::estimates(&robot, one)));
+        let tables = report::tables(&robot, found) + &estimates.collect::<String>();
+        format!("{notes}{tables}\n\nResults in {}", path.display())
     })?;
     Ok(DONE)
 }
@@ -192,19 +217,24 @@ fn arm(arguments: &Arguments, setup: Option<&Setup>, dataset: Option<&Dataset>) 
     Ok(Subject::Simulated(Box::new(robot)))
 }
 
+/// Training and held-out logs as they are in files.
+type AsRead = [Vec<(PathBuf, Sieved)>; 2];
+
+/// Logs made ready, and as they were read where a diagnosis is to make them ready.
 fn logs(
     arguments: &Arguments,
     setup: Option<&Setup>,
     dataset: Option<&Dataset>,
     arm: &mut Subject,
     global: &Global,
-) -> Result<Logs> {
+) -> Result<(Logs, Option<AsRead>)> {
     if dataset.is_some() || !arguments.logs.train.is_empty() {
         let mut logs = arguments.logs.read(dataset, arm.robot())?;
         if let Subject::Logged(arm) = arm {
             arm.settle(dataset, &mut logs)?;
         }
-        return dataset::ready(logs, arm.robot());
+        let as_read = arguments.as_diagnose.then(|| logs.clone());
+        return Ok((dataset::ready(logs, arm.robot())?, as_read));
     }
     let Some(setup) = setup else {
         return Err(Error::request("--train", "give at least one log, a --dataset, or a --scenario to simulate"));
@@ -212,7 +242,27 @@ fn logs(
     let bar = progress::bar(global, "simulating", testbed::samples(setup));
     let runs = testbed::record(setup, &mut |done| bar.set_position(done as u64))?;
     bar.finish_and_clear();
-    Ok(Logs { train: vec![runs.training.recording], test: vec![runs.held_out.recording], ..Logs::default() })
+    let logs = Logs { train: vec![runs.training.recording], test: vec![runs.held_out.recording], ..Logs::default() };
+    Ok((logs, None))
+}
+
+/// The effects as a diagnosis of the logs estimates them: of those `as_read` from files, else of the `simulated` ones.
+fn as_diagnosed(
+    arguments: &Arguments,
+    robot: &Robot,
+    as_read: Option<AsRead>,
+    simulated: [&[Recording]; 2],
+    global: &Global,
+) -> Result<Estimated> {
+    let question = Diagnosis::of(robot).trust(arguments.trust).seed(global.seed.unwrap_or_default());
+    let question = match as_read {
+        Some([train, test]) => question.train(train).test(test),
+        None => question.train(simulated[0]).test(simulated[1]),
+    };
+    match interrupt::of_host(global) {
+        Some(stop) => question.stop(stop).estimate(&arguments.effect),
+        None => question.estimate(&arguments.effect),
+    }
 }
 
 /// The identified arm in the simulator along the logs that the viewer shows; nothing without the viewer, or where the

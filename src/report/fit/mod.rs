@@ -1,13 +1,16 @@
 //! The result of `tauscope identify`.
 
+mod estimates;
 mod notes;
 
+pub use estimates::estimates;
 pub use notes::{
     between_logs, constants, falling_friction, longer_window, negative_coulomb, negative_rotor, not_of_bodies,
     undetermined, undetermined_held_out, unlike_described,
 };
 
 use super::console::{by_joint, column_with_unit, significant, table};
+use crate::diagnosis::Estimated;
 use crate::identification::consistent::Consistent;
 use crate::identification::effect_model::Trust;
 use crate::identification::fit::{BetweenLogs, Fitted};
@@ -52,6 +55,17 @@ pub struct FitResult {
     with_effects: Option<OneFit>,
     #[serde(skip_serializing_if = "Option::is_none")]
     consistent: Option<Bodies>,
+    /// The effects as a diagnosis estimates them.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    as_diagnose: Option<Estimated>,
+}
+
+impl FitResult {
+    /// With the effects as a diagnosis estimates them, where they were estimated so.
+    #[must_use]
+    pub fn with_estimates(self, as_diagnose: Option<Estimated>) -> Self {
+        FitResult { as_diagnose, ..self }
+    }
 }
 
 /// What `tauscope identify` found.
@@ -161,6 +175,7 @@ pub fn result(robot: &Robot, trust: Trust, found: Found, notes: &[String]) -> Fi
         without_effects: one_fit(robot, found.plain),
         with_effects: found.extended.map(|fitted| one_fit(robot, fitted)),
         consistent: found.consistent.map(|consistent| bodies(robot, consistent)),
+        as_diagnose: None,
     }
 }
 

@@ -7,14 +7,15 @@ use super::mounting::refined_gravity;
 use super::outcome::{Answer, Outcome};
 use crate::diagnosis::Options;
 use crate::diagnosis::logs::{
-    CleanLogs, Consequence, GivenLog, Screened, all_faults, check_held_out, check_length, correct, refuse_twice,
-    screen_all, screen_in_own_units, shared_verdict, still_joints,
+    CleanLogs, Consequence, DataFault, GivenLog, Input, Screened, all_faults, check_held_out, check_length, correct,
+    refuse_twice, screen_all, screen_in_own_units, shared_verdict, still_joints,
 };
 use crate::diagnosis::watch::{Progress, Watch};
 use crate::effects::Placed;
 use crate::error::{Error, Result};
 use crate::identification::effect_model::Trust;
-use crate::quality::descriptions::{Change, words};
+use crate::identification::model::Model;
+use crate::quality::descriptions::{self, Change, words};
 use crate::quality::{Kind, UnitChanges};
 use crate::robot::Robot;
 use std::sync::Arc;
@@ -199,10 +200,28 @@ impl<'a> DiagnosisBuilder<'a> {
     /// If there is no training log, a log cannot be used at all, is too short, is given twice, or does not fit the arm; an
     /// option out of range; a motion that leaves the parameters undetermined.
     pub fn run(self) -> Result<Answer> {
-        let DiagnosisBuilder { present, truth, options, labels, mut watch, .. } = self;
+        let Examined { mut arm, logs, still, given, present, truth, options, mut watch } = self.examined()?;
+        let outcome = if arm.is_stopped() {
+            Outcome::Stopped
+        } else {
+            let input = logs.input(present);
+            let model = arm.model(given, &input, &still, &options, &mut watch)?;
+            let concluded = conclude(&model, &input, &options, &mut watch)?;
+            Outcome::Concluded(Box::new(concluded.into_conclusion(&input.train, &truth)?))
+        };
+        let Described { robot, faults, description, units } = arm;
+        Ok(Answer { robot, alpha: options.alpha, logs, faults, description, units, outcome })
+    }
+
+    /// Screens the logs.
+    ///
+    /// # Errors
+    /// Those of the logs and of the options of [`DiagnosisBuilder::run`].
+    pub(super) fn examined(self) -> Result<Examined<'a>> {
+        let DiagnosisBuilder { robot: given, present, truth, options, labels, mut watch, .. } = self;
         watch.start();
         options.check()?;
-        let mut robot = self.robot.clone();
+        let mut robot = given.clone();
         let [train, test, reference] = [(self.train, "training"), (self.test, "test"), (self.reference, "reference")]
             .map(|(logs, kind)| {
                 let named = |(k, log): (usize, GivenLog)| log.into_named(|| format!("{kind} log {}", k + 1));
@@ -211,8 +230,8 @@ impl<'a> DiagnosisBuilder<'a> {
         // Logs of one time are screened together.
         let screened = |logs| -> Result<(Vec<Screened>, UnitChanges)> {
             let (screened, units) = match self.corrects {
-                true => screen_in_own_units(logs, self.robot)?,
-                false => (screen_all(logs, self.robot)?, UnitChanges::default()),
+                true => screen_in_own_units(logs, given)?,
+                false => (screen_all(logs, given)?, UnitChanges::default()),
             };
             Ok((screened.into_iter().collect::<Result<_>>()?, units))
         };
@@ -230,40 +249,88 @@ impl<'a> DiagnosisBuilder<'a> {
         refuse_twice([(of_train, &train), (of_test, &test), (of_reference, &reference)])?;
 
         let mut all: Vec<&mut Screened> = train.iter_mut().chain(&mut test).chain(&mut reference).collect();
-        let mut description = shared_verdict(&all);
+        let description = shared_verdict(&all);
         if self.corrects {
             correct(&mut all, &mut robot);
         }
-        let mut faults = all_faults(&train, &test, &reference, &robot);
-        let stops = faults.iter().any(|fault| fault.consequence == Consequence::Stops);
+        let faults = all_faults(&train, &test, &reference, &robot);
         let still: Vec<usize> = still_joints(&train, &robot).into_iter().map(|(joint, _)| joint).collect();
         let [train, test, reference] =
             [train, test, reference].map(|logs| logs.into_iter().flat_map(|log| log.pieces).collect());
         let logs = CleanLogs { train, test, reference };
-        let alpha = options.alpha;
-        if stops {
-            return Ok(Answer { robot, alpha, logs, faults, description, units, outcome: Outcome::Stopped });
-        }
-        let input = logs.input(present);
-        let observe = |robot: &Robot| observed(robot, &input, &still, options.criteria.levels.misfit);
-        let Observed { mut model, left_out } = observe(&robot)?;
-        faults.extend(left_out);
+        let arm = Described { robot, faults, description, units };
+        Ok(Examined { arm, logs, still, given, present, truth, options, watch })
+    }
+}
+
+/// Screened logs, and what a diagnosis of them is asked.
+pub(super) struct Examined<'a> {
+    /// The arm as the logs show it.
+    pub arm: Described,
+    /// The logs as they are used.
+    pub logs: CleanLogs,
+    /// Joints that hardly move.
+    pub still: Vec<usize>,
+    /// The arm as it was given.
+    pub given: &'a Robot,
+    /// Effects that the simulation has.
+    pub present: Vec<Placed>,
+    /// Effects known to be at work.
+    pub truth: Vec<Placed>,
+    /// The options.
+    pub options: Options,
+    /// Who follows.
+    pub watch: Watch<'a>,
+}
+
+/// An arm with its description corrected where logs show another beyond doubt.
+pub(super) struct Described {
+    /// The arm.
+    pub robot: Robot,
+    /// Faults of the data, those that stop first.
+    pub faults: Vec<DataFault>,
+    /// What is wrong with the description of all logs alike.
+    pub description: Option<descriptions::Verdict>,
+    /// Units that were converted.
+    pub units: UnitChanges,
+}
+
+impl Described {
+    /// Whether a fault forbids an answer.
+    pub(super) fn is_stopped(&self) -> bool {
+        self.faults.iter().any(|fault| fault.consequence == Consequence::Stops)
+    }
+
+    /// The model of the joints that have an equation in the logs of `input`; `given` is the arm as it was given, joints in `still` hardly
+    /// move. A direction of gravity that was corrected is refined.
+    ///
+    /// # Errors
+    /// If a log is too short or does not fit the arm.
+    pub(super) fn model(
+        &mut self,
+        given: &Robot,
+        input: &Input,
+        still: &[usize],
+        options: &Options,
+        watch: &mut Watch,
+    ) -> Result<Model> {
+        let observe = |robot: &Robot| observed(robot, input, still, options.criteria.levels.misfit);
+        let Observed { mut model, left_out } = observe(&self.robot)?;
+        self.faults.extend(left_out);
         watch.tell(Progress::Screened);
         // A direction of gravity that was corrected is an axis of the base, and bases are not exactly level.
-        if robot.gravity != self.robot.gravity
-            && let Some(gravity) = refined_gravity(&model, &input, &options)?
+        if self.robot.gravity != given.gravity
+            && let Some(gravity) = refined_gravity(&model, input, options)?
         {
-            robot.gravity = gravity;
-            if let Some(verdict) = &mut description {
+            self.robot.gravity = gravity;
+            if let Some(verdict) = &mut self.description {
                 verdict.description = verdict.description.with_gravity(gravity);
             }
             let words = format!("; refined by the diagnosis: {}", words(Change::Gravity(gravity.into()), &[]));
-            let mountings = faults.iter_mut().filter(|fault| fault.kind == Kind::Mounting);
+            let mountings = self.faults.iter_mut().filter(|fault| fault.kind == Kind::Mounting);
             mountings.for_each(|fault| fault.text.push_str(&words));
-            Observed { model, .. } = observe(&robot)?;
+            Observed { model, .. } = observe(&self.robot)?;
         }
-        let concluded = conclude(&model, &input, &options, &mut watch)?;
-        let outcome = Outcome::Concluded(Box::new(concluded.into_conclusion(&input.train, &truth)?));
-        Ok(Answer { robot, alpha, logs, faults, description, units, outcome })
+        Ok(model)
     }
 }

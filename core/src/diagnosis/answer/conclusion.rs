@@ -5,9 +5,8 @@ use super::described::as_described;
 use super::diagnosis::{self, Diagnosis, Errors, LogSummary, OfSampling, Scope, withdraw};
 use super::extended::ExtendedModel;
 use super::inertias::{self, Free, Gain, all_inertias};
-use super::not_found::{not_found, refused};
 use super::outcome::{Conclusion, Measured};
-use super::quantities::{Evidence, Residuals, derived, residual_structure};
+use super::quantities::{Evidence, Residuals, derived, not_found, refused, residual_structure};
 use super::resimulation::{Replay, joints_of};
 use super::searched::{Searched, found_that_matter, map_on};
 use super::words::{Sizes, next_experiment};
@@ -65,6 +64,53 @@ pub(super) fn conclude<'a>(
     options: &Options,
     watch: &mut Watch,
 ) -> Result<Concluded<'a>> {
+    let (known, before) = known_before(model, input, options, watch)?;
+    let cut = split(&input.train);
+    let (train, test) = halves(input, &cut);
+    let mut session = prepare(model, options.trust, known.clone(), &train, &test, options.criteria)?;
+    let simulation = as_described(&session, &input.present)?;
+    let map = residual_map(&session, options)?;
+    watch.tell(Progress::Map(map.clone()));
+    let mut searched = Searched::new(&mut session, options, watch)?;
+    let (mut inertias, mut rejected_inertias) = (None, None);
+    if options.trust == Trust::Nominal && input.reference.is_empty() {
+        let free = Known { arm: Arm::new(model.robot(), Trust::Structure), ..known };
+        match all_inertias(&session, &searched, free, &train, &test, options, watch)? {
+            inertias::Outcome::Accepted(free) => {
+                let gain;
+                Free { session, searched, gain } = *free;
+                inertias = Some(gain);
+            }
+            inertias::Outcome::Refused(failed) => rejected_inertias = Some(failed),
+            inertias::Outcome::NotAsked => {}
+        }
+    }
+    let present = input.present.clone();
+    let circumstances = Circumstances {
+        simulation,
+        before,
+        inertias,
+        rejected_inertias,
+        held_out_from_training: input.test.is_empty(),
+        present,
+        map,
+        unfinished: watch.has_ended(),
+    };
+    let mut concluded = answer(session, searched, circumstances, options)?;
+    concluded.diagnosis.load = weighed(model.robot(), input, &concluded.diagnosis.found);
+    Ok(concluded)
+}
+
+/// What is known of the arm of `model` before its training logs, and the effects that reference logs show.
+///
+/// # Errors
+/// If a log is too short, too slow or does not fit the arm.
+pub(super) fn known_before<'a>(
+    model: &'a Model,
+    input: &Input<'a>,
+    options: &Options,
+    watch: &mut Watch,
+) -> Result<(Known<'a>, Vec<Found>)> {
     let robot = model.robot();
     let mut logs = input.train.iter().chain(&input.test).chain(&input.reference);
     if let Some(log) = logs.find(|log| log.joints() != robot.dof()) {
@@ -82,46 +128,21 @@ pub(super) fn conclude<'a>(
         return Err(Error::request("log", problem));
     }
     let described = Known { effects: input.present.clone(), ..Known::nothing(robot, options.trust) };
-    let (known, before) = match input.reference.is_empty() {
-        true => (described, Vec::new()),
-        false => identified(model, described, &input.reference, options, watch)?,
-    };
-    let (early, late) = split(&input.train);
-    let (early, late): (Vec<&Recording>, Vec<&Recording>) = (early.iter().collect(), late.iter().collect());
-    let held_out = input.test.is_empty();
-    let (train, test) = if held_out { (&early, &late) } else { (&input.train, &input.test) };
-    let mut session = prepare(model, options.trust, known.clone(), train, test, options.criteria)?;
-    let simulation = as_described(&session, &input.present)?;
-    let map = residual_map(&session, options)?;
-    watch.tell(Progress::Map(map.clone()));
-    let mut searched = Searched::new(&mut session, options, watch)?;
-    let (mut inertias, mut rejected_inertias) = (None, None);
-    if options.trust == Trust::Nominal && input.reference.is_empty() {
-        let free = Known { arm: Arm::new(robot, Trust::Structure), ..known };
-        match all_inertias(&session, &searched, free, train, test, options, watch)? {
-            inertias::Outcome::Accepted(free) => {
-                let gain;
-                Free { session, searched, gain } = *free;
-                inertias = Some(gain);
-            }
-            inertias::Outcome::Refused(failed) => rejected_inertias = Some(failed),
-            inertias::Outcome::NotAsked => {}
-        }
+    match input.reference.is_empty() {
+        true => Ok((described, Vec::new())),
+        false => identified(model, described, &input.reference, options, watch),
     }
-    let present = input.present.clone();
-    let circumstances = Circumstances {
-        simulation,
-        before,
-        inertias,
-        rejected_inertias,
-        held_out_from_training: held_out,
-        present,
-        map,
-        unfinished: watch.has_ended(),
-    };
-    let mut concluded = answer(session, searched, circumstances, options)?;
-    concluded.diagnosis.load = weighed(robot, input, &concluded.diagnosis.found);
-    Ok(concluded)
+}
+
+/// Logs to identify from and held-out logs: those that are given, else the parts into which the training logs are `cut`.
+pub(super) fn halves<'b>(
+    input: &'b Input,
+    (early, late): &'b (Vec<Recording>, Vec<Recording>),
+) -> (Vec<&'b Recording>, Vec<&'b Recording>) {
+    match input.test.is_empty() {
+        true => (early.iter().collect(), late.iter().collect()),
+        false => (input.train.clone(), input.test.clone()),
+    }
 }
 
 /// The load since the reference logs where one was `found`: with no other effect to share it with, and as a body that can exist.

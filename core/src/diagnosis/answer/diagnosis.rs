@@ -1,8 +1,7 @@
 //! The answer with its evidence: which names stand, what was not found, and what to do next.
 
 use super::inertias::Gain;
-use super::not_found::NotFound;
-use super::quantities::{Derived, Evidence, ResidualStructure, Share};
+use super::quantities::{Derived, Evidence, NotFound, ResidualStructure, Share};
 use crate::diagnosis::criteria::{Criteria, Gate, Judgement};
 use crate::diagnosis::lack_of_fit::{RejectedStructure, Unexplained};
 use crate::diagnosis::logs::LowPass;

@@ -137,6 +137,14 @@ pub struct Measured {
     pub torque_noise: Vec<f64>,
 }
 
+/// The first of the faults that stop a diagnosis, as an error.
+pub(super) fn stopped(faults: &[DataFault]) -> Error {
+    let fault = faults.iter().find(|fault| fault.consequence == Consequence::Stops);
+    let [log, place, text] =
+        fault.map(|DataFault { log, place, text, .. }| [log, place, text].map(String::as_str)).unwrap_or_default();
+    Error::request(log, format!("{place}: {text}"))
+}
+
 impl Answer {
     /// The answer in a word.
     pub fn verdict(&self) -> Verdict {
@@ -163,11 +171,7 @@ impl Answer {
     pub fn into_conclusion(self) -> Result<Conclusion> {
         match self.outcome {
             Outcome::Concluded(conclusion) => Ok(*conclusion),
-            Outcome::Stopped => {
-                let fault = self.faults.into_iter().find(|fault| fault.consequence == Consequence::Stops);
-                let (log, place, text) = fault.map(|fault| (fault.log, fault.place, fault.text)).unwrap_or_default();
-                Err(Error::request(log, format!("{place}: {text}")))
-            }
+            Outcome::Stopped => Err(stopped(&self.faults)),
         }
     }
 

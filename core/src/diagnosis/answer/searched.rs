@@ -4,8 +4,9 @@ use crate::diagnosis::Options;
 use crate::diagnosis::criteria::Gate;
 use crate::diagnosis::lack_of_fit::{Structure, mapped, unexplained};
 use crate::diagnosis::model::{DataSet, Member, Session};
+use crate::diagnosis::noise::Whitener;
 use crate::diagnosis::relevance::{Minor, eliminate, hold_undetermined, with_scatter};
-use crate::diagnosis::search::{Selection, members, select};
+use crate::diagnosis::search::{Found, Selection, converged, members, select, settled};
 use crate::diagnosis::variance::ResidualMap;
 use crate::diagnosis::watch::Watch;
 use crate::error::Result;
@@ -74,12 +75,30 @@ fn those_that_matter(
         minor.extend(more);
         selection.settle(session)?;
     }
-    selection.converge(session)?;
-    if hold_undetermined(session, &mut selection.found, &selection.whitener)? {
-        selection.settle(session)?;
-        with_scatter(session, &mut selection.found, &selection.whitener)?;
+    if fit_to_the_end(session, &mut selection.found, &mut selection.whitener)? {
+        selection.take_held_out(session)?;
     }
     Ok((selection, minor))
+}
+
+/// The last fit of the effects in the model: until their sizes no longer change, with parameters that the logs do not determine held, and
+/// with standard deviations that hold the scatter between blocks. `whitener` becomes the noise under it. Returns whether an estimate
+/// changed.
+///
+/// # Errors
+/// If a log is too short to differentiate.
+pub(super) fn fit_to_the_end(session: &mut Session, found: &mut [Found], whitener: &mut Whitener) -> Result<bool> {
+    let moved = converged(session, found, whitener)?;
+    let has_moved = moved.is_some();
+    if let Some(moved) = moved {
+        *whitener = moved;
+    }
+    let is_held = hold_undetermined(session, found, whitener)?;
+    if is_held {
+        (*whitener, _) = settled(session, found)?;
+        with_scatter(session, found, whitener)?;
+    }
+    Ok(has_moved || is_held)
 }
 
 impl Searched {

@@ -87,6 +87,14 @@ impl Scan {
         best
     }
 
+    /// The likeliest candidate of some families: of those that may be names, else of all.
+    pub(crate) fn likeliest_of(&self, families: &[Family]) -> Option<&Judged> {
+        let is_wanted = |judged: &&Judged| families.contains(&judged.candidate.family());
+        let likeliest = |a: &&Judged, b: &&Judged| a.test.log_p().total_cmp(&b.test.log_p());
+        let named = self.best_per_family().into_iter().find(is_wanted);
+        named.or_else(|| self.judged.iter().filter(is_wanted).min_by(likeliest))
+    }
+
     /// What is likelier than all candidates of its family that can be, and has an estimate that cannot: logarithm of the probability by
     /// chance, and the gate that it fails.
     pub(crate) fn impossible(&self) -> Vec<(Slot, f64, Judgement)> {

@@ -4,9 +4,9 @@ use super::eligible::Contenders;
 use super::found::Alternative;
 use crate::diagnosis::criteria::Criteria;
 use crate::diagnosis::evidence::{Gains, Judged, Multiplicity, Scan};
-use crate::diagnosis::model::{Candidate, Member, Session, Slot, shapes};
+use crate::diagnosis::model::{Candidate, Fit, Member, Session, Slot, shapes};
 use crate::diagnosis::noise::Whitener;
-use crate::diagnosis::regression::{Projection, Test, log_survival};
+use crate::diagnosis::regression::{Column, Projection, Test, log_survival};
 use crate::effects::{Scope, Site};
 use crate::error::Result;
 use rayon::prelude::*;
@@ -45,11 +45,9 @@ pub(super) fn compare(
     let looked_for = |judged: &Judged| multiplicity.looked_for(judged.candidate.family().effect);
     let present = session.model.columns(&session.logs.train, members)?;
     let seen = |judged: &Judged| -> Result<Option<(f64, Candidate)>> {
-        let with: Vec<_> = present.iter().chain(judged.candidate.columns.iter()).cloned().collect();
-        let whitener = session.noise_under(&with);
-        let fit = whitener.fit(&present, &session.logs.train.torque);
-        let Some(own) = session.judge(&judged.candidate, &whitener, &fit) else { return Ok(None) };
-        let own = session.refined(own, &whitener, &fit)?;
+        let Some((Fit { whitener, projection: fit }, own)) = in_its_own_noise(session, &present, judged)? else {
+            return Ok(None);
+        };
         let left = fit.left() - own.test.statistic;
         let criterion = 2.0 * whitener.log_scale() + left + 2.0 * parameters(&own) as f64 + looked_for(&own);
         Ok(Some((criterion, own.candidate)))
@@ -63,9 +61,7 @@ pub(super) fn compare(
     let leader = seen.min_by(|(a, _), (b, _)| a.total_cmp(b)).map_or(&best[0].candidate, |(_, candidate)| candidate);
 
     // From here on all are seen in the same whitening, that under the leader.
-    let with: Vec<_> = present.iter().chain(leader.columns.iter()).cloned().collect();
-    let whitener = session.noise_under(&with);
-    let fit = whitener.fit(&present, &session.logs.train.torque);
+    let Fit { whitener, projection: fit } = under(session, &present, leader);
     // What acts elsewhere is no other name for what is seen here.
     let here = leader.joints();
     let rivals = all.iter().filter(|candidate| candidate.acts_on(&here) && eligible.may_be(candidate));
@@ -109,6 +105,43 @@ pub(super) fn compare(
     let least = criteria.close * winner.test.statistic;
     strong.retain(|rival| rival.test.statistic > least && eligible.may_win(&rival.candidate));
     Ok(Comparison { winner, alternatives, close: strong })
+}
+
+/// The fit of a model, in the noise under that with one candidate more.
+fn under(session: &Session, present: &[Column], candidate: &Candidate) -> Fit {
+    let with: Vec<Column> = present.iter().chain(candidate.columns.iter()).cloned().collect();
+    let whitener = session.noise_under(&with);
+    Fit { projection: whitener.fit(present, &session.logs.train.torque), whitener }
+}
+
+/// A candidate at its best shapes in the noise under the model with it, and the fit without it there; None where its estimate cannot be.
+fn in_its_own_noise(session: &Session, present: &[Column], judged: &Judged) -> Result<Option<(Fit, Judged)>> {
+    let fit = under(session, present, &judged.candidate);
+    let Some(own) = session.judge(&judged.candidate, &fit.whitener, &fit.projection) else { return Ok(None) };
+    let own = session.refined(own, &fit.whitener, &fit.projection)?;
+    Ok(Some((fit, own)))
+}
+
+/// The best of the candidates `all` in the slot of `first`, with the shapes that it has as the winner of a comparison without rivals; None
+/// where its estimate cannot be.
+///
+/// # Errors
+/// If a log is too short to differentiate.
+pub(super) fn without_rivals(
+    session: &Session,
+    members: &[Member],
+    first: &Judged,
+    all: &[Candidate],
+) -> Result<Option<Judged>> {
+    let present = session.model.columns(&session.logs.train, members)?;
+    let Some((_, Judged { candidate: leader, .. })) = in_its_own_noise(session, &present, first)? else {
+        return Ok(None);
+    };
+    let Fit { whitener, projection: fit } = under(session, &present, &leader);
+    let (slot, own) = (leader.slot(), all.iter().filter(|candidate| candidate.slot() == leader.slot()));
+    let again: Vec<Candidate> = own.cloned().chain([leader.clone()]).collect();
+    let scan = Scan::new(session, &again, &whitener, &fit);
+    scan.likeliest_of(&[slot.0]).map(|judged| session.refined(judged.clone(), &whitener, &fit)).transpose()
 }
 
 /// The best candidate of a model comparison once held-out logs are taken into account.

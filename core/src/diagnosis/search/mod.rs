@@ -22,5 +22,6 @@ mod verdict;
 pub(crate) use acceptance::Accepted;
 pub(crate) use found::members;
 pub use found::{Alternative, Found, Rejected};
-pub(crate) use selection::{Selection, select};
+pub(crate) use round::{converged, settled};
+pub(crate) use selection::{Given, Selection, select, take};
 pub use verdict::Verdict;

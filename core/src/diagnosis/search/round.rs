@@ -88,7 +88,7 @@ impl Round {
 ///
 /// # Errors
 /// If a log is too short to differentiate.
-pub(super) fn settled(session: &mut Session, found: &mut [Found]) -> Result<(Whitener, Projection)> {
+pub(crate) fn settled(session: &mut Session, found: &mut [Found]) -> Result<(Whitener, Projection)> {
     let mut members = members(found);
     let present = session.model.columns(&session.logs.train, &members)?;
     let whitener = session.noise_under(&present);
@@ -106,7 +106,7 @@ pub(super) fn settled(session: &mut Session, found: &mut [Found]) -> Result<(Whi
 ///
 /// # Errors
 /// If a log is too short to differentiate.
-pub(super) fn converged(session: &mut Session, found: &mut [Found], whitener: &Whitener) -> Result<Option<Whitener>> {
+pub(crate) fn converged(session: &mut Session, found: &mut [Found], whitener: &Whitener) -> Result<Option<Whitener>> {
     let mut members = members(found);
     let unseen = session.unseen(&members);
     let may_move = |member: &Member| !member.held && (acts_upon_arm(member.placed.effect) || member.has_shift());

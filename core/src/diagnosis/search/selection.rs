@@ -1,9 +1,9 @@
 //! Forward selection of effects: the best candidate is tested at a family-wise level, compared with its rivals in the same
 //! whitening, and accepted if it also gains on held-out logs; at the end what became superfluous is dropped.
 
-use super::acceptance::{Outcome, Refusal, Trial, is_confirmable, strictness};
+use super::acceptance::{Accepted, Outcome, Refusal, Trial, is_confirmable, strictness};
 use super::all_logs;
-use super::comparison::{Chosen, InOwnNoise, compare};
+use super::comparison::{Chosen, InOwnNoise, compare, without_rivals};
 use super::eligible::{Contenders, Refused, Standing};
 use super::events::held_by_noise;
 use super::found::{Found, Rejected, explained_by_play, in_the_end, members};
@@ -11,7 +11,7 @@ use super::pairs::simpler_pairs;
 use super::parsimony::chosen;
 use super::play::rattling_gears;
 use super::reselection::reselect;
-use super::round::{Round, converged, settled};
+use super::round::{Round, settled};
 use crate::diagnosis::Options;
 use crate::diagnosis::criteria::{Gate, Judgement, Levels};
 use crate::diagnosis::evidence::{Multiplicity, Ranked, Scan, ranking};
@@ -230,17 +230,57 @@ impl Selection {
         Ok(())
     }
 
-    /// Fits the effects found until their sizes no longer change.
+    /// Takes the held-out residuals again, after the effects found were fitted again.
     ///
     /// # Errors
     /// If a log is too short to differentiate.
-    pub(crate) fn converge(&mut self, session: &mut Session) -> Result<()> {
-        if let Some(whitener) = converged(session, &mut self.found, &self.whitener)? {
-            self.whitener = whitener;
-            self.held_out = held_out_steps(session, &mut self.found, &self.whitener)?;
-        }
+    pub(crate) fn take_held_out(&mut self, session: &Session) -> Result<()> {
+        self.held_out = held_out_steps(session, &mut self.found, &self.whitener)?;
         Ok(())
     }
+}
+
+/// Effects that were given, in the model.
+#[derive(Debug)]
+pub(crate) struct Given {
+    /// Those that can be estimated, as if they had been found: nothing tested them.
+    pub found: Vec<Found>,
+    /// The others, with the gate that the estimate fails; None where the logs do not separate it from the rest of the model.
+    pub left_out: Vec<(Family, Option<Judgement>)>,
+    /// The noise with them in the model.
+    pub whitener: Whitener,
+    /// The noise with none.
+    pub first_whitener: Whitener,
+}
+
+/// Takes the effects `given` into the model, without a test whether they act: each as a search takes the winner of a comparison, the
+/// likeliest first, until `watch` ends it.
+///
+/// # Errors
+/// If a log is too short to differentiate.
+pub(crate) fn take(session: &mut Session, given: &[Family], options: &Options, watch: &mut Watch) -> Result<Given> {
+    let candidates = given.iter().map(|family| family.effect.to_owned()).collect();
+    let options = &Options { candidates, ..options.clone() };
+    let (mut found, mut left_out, mut open) = (Vec::new(), Vec::new(), given.to_vec());
+    let mut round = Round::first(session, &mut found, options)?;
+    let first_whitener = round.whitener.clone();
+    while let Some(likeliest) = round.scan.likeliest_of(&open).filter(|_| !watch.is_over()) {
+        let family = likeliest.candidate.family();
+        open.retain(|other| *other != family);
+        match without_rivals(session, &members(&found), likeliest, &round.all)? {
+            Some(best) => {
+                let accepted = Accepted { member: best.member(), gain_lower_bound: 0.0, level: 1.0 };
+                found.push(Found::new(accepted, Vec::new()));
+                round = after_one_more(session, &mut found, round, options)?;
+                watch.tell(Progress::Found(found.len()));
+            }
+            None => left_out.push((family, None)),
+        }
+    }
+    let impossible = round.scan.impossible();
+    let failed = |family: &Family| impossible.iter().find(|(slot, ..)| slot.0 == *family).map(|(_, _, failed)| *failed);
+    left_out.extend(open.into_iter().map(|family| (family, failed(&family))));
+    Ok(Given { found, left_out, whitener: round.whitener, first_whitener })
 }
 
 /// Writes the held-out residual before and after each effect; returns the residual after all.

@@ -65,7 +65,10 @@ impl Wanted {
     }
 
     /// The effect on its joints; joints of `model` without an equation are skipped where no joint is named.
-    fn placed(&self, robot: &Robot, model: Option<&Model>) -> Result<Vec<Placed>> {
+    ///
+    /// # Errors
+    /// Those of [`Wanted::check`], and a joint without an equation that is named.
+    pub(crate) fn placed(&self, robot: &Robot, model: Option<&Model>) -> Result<Vec<Placed>> {
         let is_seen = |joint: &usize| model.is_none_or(|model| model.has_equation(*joint));
         let refused = |subject: &str, scope: Scope, joint: usize| {
             let is_joint = matches!(scope, Scope::Joint | Scope::Pair);

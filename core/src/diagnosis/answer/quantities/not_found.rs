@@ -44,7 +44,7 @@ pub struct NotFound {
 }
 
 /// What was significant and is not reported: that the logs show it does not mean that it would have been found.
-pub(super) fn refused(minor: &[Minor], rejected: &[Rejected]) -> Vec<Family> {
+pub(in crate::diagnosis::answer) fn refused(minor: &[Minor], rejected: &[Rejected]) -> Vec<Family> {
     let significant = rejected.iter().filter(|one| one.failed.gate != Gate::FamilyWise);
     let minor = minor.iter().map(|minor| minor.found.member.candidate.family());
     minor.chain(significant.map(|one| one.slot.0)).collect()
@@ -52,7 +52,7 @@ pub(super) fn refused(minor: &[Minor], rejected: &[Rejected]) -> Vec<Family> {
 
 /// Everything that was looked for and is not among `found`, with the size it would have needed, unless it was `refused`. `multiplicity`
 /// holds the number of independent tests, `sensitivity` the standard deviation of every family's first parameter.
-pub(super) fn not_found(
+pub(in crate::diagnosis::answer) fn not_found(
     session: &Session,
     (found, refused): (&[Found], &[Family]),
     multiplicity: &Multiplicity,

@@ -2,9 +2,9 @@
 
 use super::builder::{DiagnosisBuilder, Examined};
 use super::conclusion::{halves, known_before};
-use super::findings::{Finding, NamedParameter, finding, joints};
 use super::outcome::stopped;
 use super::searched::fit_to_the_end;
+use super::words::{Finding, NamedParameter, finding, joints};
 use crate::diagnosis::logs::{DataFault, split};
 use crate::diagnosis::model::Family;
 use crate::diagnosis::preparation::prepare;

@@ -35,7 +35,9 @@ static CASES: LazyLock<Vec<Case>> = LazyLock::new(|| {
         let mut truth = Placed::typical(find(name).unwrap(), joint);
         truth.parameters[..parameters.len()].copy_from_slice(&parameters);
         let logs = logs(&with(std::slice::from_ref(&truth)), seed, 3);
-        let diagnosis = diagnosed(&SETUP.known, &logs, &[name]);
+        // A constant torque among all effects of the library: the others play no part where they are not found.
+        let candidates = if name == "torque_offset" { &[][..] } else { &[name] };
+        let diagnosis = diagnosed(&SETUP.known, &logs, candidates);
         Case { truth, logs, diagnosis }
     };
     cases.into_iter().map(case).collect()

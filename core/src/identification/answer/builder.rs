@@ -104,7 +104,7 @@ impl<'a> IdentificationBuilder<'a> {
         self
     }
 
-    /// How the logs are smoothed. Default: [`Preparation::usual`] at the rate of the first training log, as of the command.
+    /// How the logs are smoothed. Default: [`Preparation::of_noise`] of the first training log, as of the command.
     pub fn preparation(mut self, preparation: Preparation) -> Self {
         self.preparation = Some(preparation);
         self
@@ -139,7 +139,7 @@ impl<'a> IdentificationBuilder<'a> {
         wanted.iter().try_for_each(|wanted| wanted.check(robot))?;
         goes_on(stop)?;
         let logs = Logs { train: &train, test: &test };
-        let preparation = preparation.unwrap_or_else(|| Preparation::usual(first));
+        let preparation = preparation.unwrap_or_else(|| Preparation::of_noise(first));
         let equations::Observed { model, mut notes } = equations::observed(robot, logs, preparation.clone(), trust)?;
         let placed = placed(&wanted, robot, &model)?;
         let fit = |placed, logs, rows: &[bool]| {

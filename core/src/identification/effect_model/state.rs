@@ -7,7 +7,7 @@ use crate::error::{Error, Result};
 use crate::identification::model::Model;
 use crate::identification::preparation::prepare::{self, Prepared, Smoothing};
 use crate::identification::preparation::reversals::Band;
-use crate::identification::preparation::smoothing_choice::{USUAL_ORDER, window_of_log};
+use crate::identification::preparation::smoothing_choice::{USUAL_ORDER, usual_window, window_of_log};
 use crate::identification::regression::joint_regression::JointRegression;
 use crate::identification::regression::least_squares::require_rows;
 use crate::identification::regression::undetermined::undetermined;
@@ -45,10 +45,17 @@ pub struct Preparation {
 const ROWS_IN_A_WINDOW: usize = 12;
 
 impl Preparation {
-    /// Savitzky-Golay over the usual window at the rate of `log`, longer where its positions are noisy ([`window_of_log`]), directions
-    /// certain by the noise of the velocities.
+    /// Savitzky-Golay over the usual window at the rate of `log`, directions certain by the noise of the velocities.
     pub fn usual(log: &Recording) -> Self {
-        let window = window_of_log(log);
+        Self::over(usual_window(log.rate_hz()))
+    }
+
+    /// [`Preparation::usual`] with a longer window where the positions of `log` are noisy ([`window_of_log`]).
+    pub fn of_noise(log: &Recording) -> Self {
+        Self::over(window_of_log(log))
+    }
+
+    fn over(window: usize) -> Self {
         let decimation = (window / ROWS_IN_A_WINDOW).max(1);
         let smoothing = Smoothing::SavitzkyGolay { window, order: USUAL_ORDER, decimation };
         Preparation { smoothing, band: Band::OfNoise }

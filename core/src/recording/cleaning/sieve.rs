@@ -99,10 +99,13 @@ impl Rows {
                 faults.entry(row).or_insert(fault);
             }
         }
-        let torques: Vec<&[f64]> = layout.torques().iter().map(|&column| &self.columns[column][..]).collect();
+        // A joint without torque has no column.
+        let efforts: Vec<usize> =
+            layout.torques().iter().copied().filter(|&column| column < self.columns.len()).collect();
+        let torques: Vec<&[f64]> = efforts.iter().map(|&column| &self.columns[column][..]).collect();
         for row in blank::of_second_source(&torques) {
             let problem = "all torques are zero between rows in which they are not".to_owned();
-            faults.entry(row).or_insert((layout.torques()[0], Cause::Blank, problem));
+            faults.entry(row).or_insert((efforts[0], Cause::Blank, problem));
         }
         let time = layout.time();
         let rows: Vec<usize> = (0..self.lines.len()).filter(|row| !faults.contains_key(row)).collect();

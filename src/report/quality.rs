@@ -3,7 +3,7 @@
 use super::console::{column_with_unit, significant, table};
 use crate::internal::quality::excitation;
 use crate::quality::descriptions::{Alternative, Change, Verdict, is_description, words};
-use crate::quality::{Finding, JointSummary, Kind, Report, Severity, with_logs};
+use crate::quality::{Finding, JointSummary, Kind, Report, Severity, standing_together, with_logs};
 use crate::recording::lenient::Rejected;
 use crate::robot::{Robot, Unit};
 use serde::Serialize;
@@ -91,6 +91,9 @@ struct Direction {
 struct Factor {
     joint: String,
     times_too_large: Option<f64>,
+    /// Its bounds, where a load that the robot's file lacks changes it much.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    between: Option<[f64; 2]>,
 }
 
 /// Another set of changes.
@@ -130,7 +133,9 @@ fn factors(verdict: &Verdict, joints: &[String]) -> Vec<Factor> {
             [shared] => *shared,
             each => each.get(place).copied().flatten(),
         };
-        Factor { joint: joint.clone(), times_too_large: known.map(f64::abs) }
+        let place = if verdict.factor_bounds.len() == 1 { 0 } else { place };
+        let between = verdict.factor_bounds.get(place).copied().flatten();
+        Factor { joint: joint.clone(), times_too_large: known.map(f64::abs), between }
     };
     let is_scaled = description.scaled().next().is_some();
     joints.iter().enumerate().filter(|_| is_scaled).map(of).collect()
@@ -175,7 +180,8 @@ pub(crate) fn result<'a>(path: &Path, robot: Option<&'a Robot>, report: &'a Repo
 
 /// The same for people: each log, and then what was found in several of them.
 pub(crate) fn texts(logs: &[(&Path, &Report)], robot: Option<&Robot>) -> String {
-    let each = logs.iter().flat_map(|(path, report)| report.findings.iter().map(move |finding| (*path, finding)));
+    let told: Vec<Vec<Finding>> = logs.iter().map(|(_, report)| standing_together(&report.findings)).collect();
+    let each = logs.iter().zip(&told).flat_map(|((path, _), told)| told.iter().map(move |finding| (*path, finding)));
     let each = with_logs(each);
     let (shared, own): (Vec<_>, Vec<_>) = each.into_iter().partition(|(paths, _)| paths.len() > 1);
     let mut parts: Vec<String> = logs
@@ -372,6 +378,7 @@ mod tests {
                 next: None,
                 shown: None,
                 factors,
+                factor_bounds: Vec::new(),
                 by_bodies: false,
                 spread: None,
                 assumed: Vec::new(),

@@ -137,7 +137,7 @@ impl LoggedArm {
         let asked = self.asked.joints.is_some() || self.asked.tip.is_some();
         let names = self.robot.joint_names();
         let mut moving = names.clone();
-        let mut standing = Vec::new();
+        let (mut standing, mut places_apart) = (Vec::new(), Vec::new());
         for (joint, name) in names.iter().enumerate().filter(|_| !asked) {
             let kind = self.robot.joints[joint].kind;
             let tolerance = still::range(&self.robot, kind);
@@ -149,15 +149,11 @@ impl LoggedArm {
                 moving.retain(|other| other != name);
             } else {
                 // Its own coordinate has it right in every log; one position would be wrong in some.
-                let others = names.iter().filter(|other| *other != name).cloned().collect::<Vec<_>>().join(",");
-                notes.push(format!(
-                    "joint `{name}` stands still in every log, {}: it keeps its coordinate, so that it stands right in each; to \
-                     hold it, name the others, --joints {others}",
-                    apart(&paths, [low, high], kind)
-                ));
+                places_apart.push((name.clone(), apart(&paths, [low, high], kind)));
                 standing.push((joint, places));
             }
         }
+        notes.extend(still::keep_coordinates(&places_apart, &moving));
         // Noise of its encoder would determine what it carries, and badly.
         for (joint, places) in standing {
             for (log, place) in logs.iter_mut().zip(places) {
@@ -198,7 +194,7 @@ impl LoggedArm {
             .filter_map(|joint| Some((joint.name.clone(), joint.kind()?)))
             .filter(|(name, _)| self.robot.held.iter().any(|(held, _)| held == name))
             .collect();
-        let (mut found, mut notes, mut moving) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut found, mut notes, mut moving, mut between) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
         if others.is_empty() {
             return Ok((found, notes));
         }
@@ -242,16 +238,13 @@ impl LoggedArm {
                 // Where the dataset says where it stands, that is decided; on another branch it does not matter.
                 _ if given || !self.matters(&name) => {}
                 Some([low, high]) => {
-                    notes.push(format!(
-                        "joint `{name}` is not under study and stands {}: it is held between, which is wrong in each; \
-                         {CURE}",
-                        apart(&paths, [low, high], kind)
-                    ));
-                    found.push((name, 0.5 * (low.1 + high.1)));
+                    found.push((name.clone(), 0.5 * (low.1 + high.1)));
+                    between.push((name, apart(&paths, [low, high], kind)));
                 }
                 None => moving.push(name),
             }
         }
+        notes.extend(still::held_between(&between, CURE));
         if !moving.is_empty() {
             notes.push(format!(
                 "joints not under study move in the logs, but are held in the middle of their range ({}); {CURE}",

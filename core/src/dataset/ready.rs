@@ -84,7 +84,8 @@ pub fn ready([train, test]: [Vec<(PathBuf, Sieved)>; 2], robot: &Robot) -> Resul
         });
         logs.notes.extend(rows);
         logs.notes.extend(sieved.corrections.iter().map(|note| format!("{}: {note}", path.display())));
-        let noted = report.findings.iter().filter(|finding| {
+        let told = quality::standing_together(&report.findings);
+        let noted = told.iter().filter(|finding| {
             let changes_the_fit = matches!(finding.kind, quality::Kind::ModelTorque | quality::Kind::MotorOff);
             finding.severity == quality::Severity::Warning || changes_the_fit
         });

@@ -1,7 +1,7 @@
 //! Which joints stand still in logs, and where.
 
 use crate::recording::Recording;
-use crate::robot::{JointKind, Robot};
+use crate::robot::{JointKind, Robot, shortened};
 use crate::signal::white_noise;
 
 /// A joint that swings by less stands still, rad: a tenth of a degree excites nothing, while the sag of a held joint under the
@@ -66,4 +66,70 @@ pub(super) fn ends(places: &[f64]) -> Option<[(usize, f64); 2]> {
     let each = || places.iter().copied().enumerate();
     let order = |a: &(usize, f64), b: &(usize, f64)| a.1.total_cmp(&b.1);
     Some([each().min_by(order)?, each().max_by(order)?])
+}
+
+/// What is said of joints that stand still in every log and not at one place, each with where it stands; `moving` are the joints that are
+/// not held, these among them. None where there are no such joints.
+pub(super) fn keep_coordinates(joints: &[(String, String)], moving: &[String]) -> Option<String> {
+    let is_one = |name: &&String| joints.iter().all(|(own, _)| own != *name);
+    let others: Vec<&str> = moving.iter().filter(is_one).map(String::as_str).collect();
+    let hold = |them: &str| match others.is_empty() {
+        true => String::new(),
+        false => format!("; to hold {them}, name the joints that move, --joints {}", others.join(",")),
+    };
+    Some(match joints {
+        [] => return None,
+        [(name, places)] => format!(
+            "joint `{name}` stands still in every log, {places}: it keeps its coordinate, so that it stands right in each{}",
+            hold("it")
+        ),
+        [(first, places), ..] => format!(
+            "joints {} stand still in every log and not at one place, as {first} {places}: each keeps its coordinate, so that it stands right \
+             in each log{}",
+            names(joints),
+            hold("them")
+        ),
+    })
+}
+
+/// What is said of joints not under study that stand at other places from log to log, each with where it stands.
+pub(super) fn held_between(joints: &[(String, String)], cure: &str) -> Option<String> {
+    Some(match joints {
+        [] => return None,
+        [(name, places)] => format!(
+            "joint `{name}` is not under study and stands {places}: it is held between, which is wrong in each; {cure}"
+        ),
+        [(first, places), ..] => format!(
+            "joints {} are not under study and stand at other places from log to log, as {first} {places}: they are held between, which is wrong \
+             in each; {cure}",
+            names(joints)
+        ),
+    })
+}
+
+fn names(joints: &[(String, String)]) -> String {
+    shortened(&joints.iter().map(|(name, _)| name.clone()).collect::<Vec<_>>())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn joints_that_stand_apart_are_one_note_with_those_that_move() {
+        let of = |joints: &[&str]| -> Vec<(String, String)> {
+            joints.iter().map(|name| (name.to_string(), "at 0 rad in a and at 1 rad in b".to_owned())).collect()
+        };
+        let all = ["j1", "j2", "j3", "j4", "j5", "j6", "j7"].map(str::to_owned);
+        assert_eq!(keep_coordinates(&[], &all), None);
+        let one = keep_coordinates(&of(&["j2"]), &all[..3]).unwrap();
+        assert!(one.starts_with("joint `j2` stands still in every log, at 0 rad") && one.ends_with(" --joints j1,j3"));
+        let many = keep_coordinates(&of(&["j1", "j2", "j3", "j4", "j5"]), &all).unwrap();
+        assert!(many.starts_with("joints j1, j2, j3 and 2 more stand still") && many.ends_with(" --joints j6,j7"));
+        // Nothing moves: there is nothing to name.
+        let none = keep_coordinates(&of(&["j1", "j2"]), &all[..2]).unwrap();
+        assert!(none.ends_with("stands right in each log"), "{none}");
+        let held = held_between(&of(&["j1", "j2", "j3", "j4", "j5"]), "do this").unwrap();
+        assert!(held.contains("j3 and 2 more are not under study") && held.ends_with("do this"), "{held}");
+    }
 }

@@ -1,5 +1,7 @@
 //! A finding: what kind of fault, where, how bad, and what to do.
 
+use crate::robot::shortened;
+
 /// How bad a finding is.
 ///
 /// ```
@@ -131,6 +133,21 @@ impl Finding {
     }
 }
 
+/// The findings of a log, with one on all joints that hardly move in place of one for each.
+pub fn standing_together(findings: &[Finding]) -> Vec<Finding> {
+    let of_standing: Vec<&Finding> = findings.iter().filter(|finding| finding.kind == Kind::HardlyMoves).collect();
+    let mut out = findings.to_vec();
+    if let [first, _, ..] = of_standing[..] {
+        let places: Vec<String> = of_standing.iter().map(|finding| finding.place.clone()).collect();
+        let text = "these joints hardly move: their friction and inertia cannot be found from this log";
+        let all = Finding::new(Kind::HardlyMoves, first.severity, shortened(&places), text);
+        let place = findings.iter().position(|finding| finding.kind == Kind::HardlyMoves).unwrap_or(0);
+        out.retain(|finding| finding.kind != Kind::HardlyMoves);
+        out.insert(place, all);
+    }
+    out
+}
+
 /// What was found in logs, each item once, with the logs that have it.
 pub fn with_logs<L: PartialEq, T: PartialEq>(found: impl IntoIterator<Item = (L, T)>) -> Vec<(Vec<L>, T)> {
     let mut out: Vec<(Vec<L>, T)> = Vec::new();
@@ -147,6 +164,19 @@ pub fn with_logs<L: PartialEq, T: PartialEq>(found: impl IntoIterator<Item = (L,
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn joints_that_hardly_move_are_named_together() {
+        let of = |kind: Kind, place: &str| Finding::new(kind, Severity::Warning, place, "text");
+        let still: Vec<Finding> = ["a", "b", "c", "d", "e"].map(|place| of(Kind::HardlyMoves, place)).to_vec();
+        let others = [of(Kind::Gap, "t"), of(Kind::Spike, "x")];
+        let all = [&others[..1], &still, &others[1..]].concat();
+        let told = standing_together(&all);
+        assert_eq!((told.len(), &*told[1].place), (3, "a, b, c and 2 more"));
+        assert_eq!([&told[0], &told[2]], [&others[0], &others[1]]);
+        // One keeps its range and speed.
+        assert_eq!(standing_together(&all[..2]), all[..2]);
+    }
 
     #[test]
     fn what_several_logs_have_is_there_once() {

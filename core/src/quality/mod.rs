@@ -23,7 +23,7 @@ mod view;
 pub use channels::clipping;
 pub(crate) use channels::leave_out_unmeasured;
 pub use examination::{examine, examine_together, inspect};
-pub use finding::{Finding, Kind, Severity, with_logs};
+pub use finding::{Finding, Kind, Severity, standing_together, with_logs};
 pub use motion::{Constant, JointSummary, OtherUnit};
 pub use report::{Report, Together};
 pub use unit_changes::{OtherRate, UnitChanges};

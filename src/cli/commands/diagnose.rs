@@ -146,8 +146,9 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     match description.filter(|verdict| verdict.leaves_much()) {
         Some(open) => corrected::refused(open),
         None => {
-            let description = description.map(|verdict| &verdict.description);
-            corrected::write(&folder, dataset.as_ref(), &named, &answer.robot, description, answer.units.clone())?;
+            let (verdict, units) = (description, answer.units.clone());
+            let description = verdict.map(|verdict| &verdict.description);
+            corrected::write(&folder, dataset.as_ref(), &named, &answer.robot, description, verdict, units)?;
         }
     }
     folder.write_json("diagnosis.json", DIAGNOSIS_SCHEMA, &answer)?;

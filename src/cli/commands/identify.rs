@@ -119,7 +119,7 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     notes.extend(report::longer_window(&preparation.smoothing, &train[0]).filter(|_| arguments.window.is_none()));
     let folder = ResultFolder::create(global.folder(&format!("identify_{}", robot.name)))?;
     let named = arguments.logs.named(arguments.arm.robot.clone());
-    corrected::write(&folder, dataset.as_ref(), &named, &robot, correction.as_ref(), units)?;
+    corrected::write(&folder, dataset.as_ref(), &named, &robot, correction.as_ref(), None, units)?;
     let (train, test): (Vec<&Recording>, Vec<&Recording>) = (train.iter().collect(), test.iter().collect());
     let logs = fit::Logs { train: &train, test: &test };
     let question = Identification::of(&robot).train(logs.train.iter().copied()).test(logs.test.iter().copied());

@@ -131,7 +131,7 @@ fn correct(
     let description = verdict.map(|verdict| &verdict.description);
     let name = named.train[0].file_stem().map_or("log".into(), |stem| stem.to_string_lossy());
     let folder = ResultFolder::create(global.folder(&format!("inspect_{name}")))?;
-    if !corrected::write(&folder, dataset, named, robot, description, units)? {
+    if !corrected::write(&folder, dataset, named, robot, description, verdict, units)? {
         return Ok(None);
     }
     Ok(Some(folder.finish()?.join(corrected::FILE)))

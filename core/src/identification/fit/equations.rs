@@ -9,7 +9,7 @@ use crate::identification::effect_model::{Preparation, Trust};
 use crate::identification::model::Model;
 use crate::identification::preparation::prepare;
 use crate::recording::Recording;
-use crate::robot::Robot;
+use crate::robot::{Robot, shortened};
 
 /// The model of the joints that have an equation.
 ///
@@ -77,6 +77,7 @@ pub fn observed(robot: &Robot, logs: Logs, preparation: Preparation, trust: Trus
         rows.iter_mut().zip(own).for_each(|(rows, own)| *rows += own);
     }
     let model = Model::with_equations(robot, &equations);
+    let mut too_few = Vec::new();
     for (joint, spec) in robot.joints.iter().enumerate().filter(|(joint, _)| model.has_equation(*joint)) {
         // The least that a fit takes: two rows for every parameter of the joint.
         let parameters = match trust {
@@ -85,11 +86,7 @@ pub fn observed(robot: &Robot, logs: Logs, preparation: Preparation, trust: Trus
         };
         if rows[joint] < FEWEST.max(2 * parameters) {
             equations[joint] = false;
-            notes.push(format!(
-                "joint `{}`: it surely moves in {} samples only, too few for the {parameters} parameters that act on it; its \
-                 own torque is left out, and its friction and rotor stay as described",
-                spec.name, rows[joint]
-            ));
+            too_few.push((&*spec.name, rows[joint], parameters));
         } else if let Some(way) = one_way(forward[joint], rows[joint]) {
             notes.push(format!(
                 "joint `{}` surely moves {way} only: Coulomb friction is a constant torque then, which gravity and offsets hold too, and \
@@ -98,11 +95,33 @@ pub fn observed(robot: &Robot, logs: Logs, preparation: Preparation, trust: Trus
             ));
         }
     }
+    notes.extend(left_out(&too_few));
     let none = equations.iter().all(|has| !has);
     match none || (0..robot.dof()).all(|joint| equations[joint] == model.has_equation(joint)) {
         true => Ok(Observed { model, notes: if none { Vec::new() } else { notes } }),
         false => Ok(Observed { model: Model::with_equations(robot, &equations), notes }),
     }
+}
+
+/// A line about joints that surely move in so many samples, too few for so many parameters each; none where there are no such joints.
+fn left_out(joints: &[(&str, usize, usize)]) -> Option<String> {
+    Some(match joints {
+        [] => return None,
+        [(name, rows, parameters)] => format!(
+            "joint `{name}`: it surely moves in {rows} samples only, too few for the {parameters} parameters that act on it; its own torque is \
+             left out, and its friction and rotor stay as described"
+        ),
+        several => {
+            let names: Vec<String> = several.iter().map(|(name, ..)| name.to_string()).collect();
+            let most = several.iter().map(|(_, rows, _)| *rows).max().unwrap_or(0);
+            let samples = if most == 0 { "no sample".to_owned() } else { format!("{most} samples at most") };
+            format!(
+                "joints {}: each surely moves in {samples}, too few for the parameters that act on it; their own torques are left out, and their \
+                 friction and rotors stay as described",
+                shortened(&names)
+            )
+        }
+    })
 }
 
 /// The way in which a joint moves in nearly all of its `rows`, of which so many are `forward`.

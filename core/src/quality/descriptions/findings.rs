@@ -28,6 +28,9 @@ const ANOTHER: &str = "the URDF's bodies do not explain the torques with it: is 
 const WITHOUT_MASSES: &str = "the robot's file has no bodies that can exist (masses are missing, or inertias are none of a body), which could tell \
                               the log of another robot with such joints: is it of this one?";
 
+/// Said where a factor is known to within bounds only.
+const LOAD: &str = "; a load that is not in the robot's file changes it";
+
 /// Said where a factor leaves much of the torques.
 const MUCH_LEFT: &str = "So much is left that another cause is not excluded: motors behind gears that differ, positions in another unit, or another \
                          robot; nothing of this is certain";
@@ -119,18 +122,36 @@ fn about(factor: f64) -> String {
     }
 }
 
-/// What a scale may come from; `factors` are those of the joints, one where they share it.
-fn origin(factor: f64, factors: &[Option<f64>], joints: &[String]) -> String {
+/// A factor, or its bounds where these are wide.
+fn known(factor: f64, bounds: Option<[f64; 2]>) -> String {
+    // Torques before gears are parts of those behind them.
+    let one = |f: f64| if f < SMALL { format!("1/{}", about(1.0 / f)) } else { about(f) };
+    match bounds {
+        Some([low, high]) => format!("between {} and {}", one(low), one(high)),
+        None => one(factor.abs()),
+    }
+}
+
+/// The size of a scale that all torques share, in words, where its bounds are wide.
+fn scale_between([low, high]: [f64; 2]) -> String {
+    // Factors are how many times larger the torques are.
+    let (low, high, than) = if high < 1.0 { (1.0 / high, 1.0 / low, "smaller") } else { (low, high, "larger") };
+    format!("the torques are between {} and {} times {than} than the URDF's bodies need", about(low), about(high))
+}
+
+/// What a scale may come from; the factors of a verdict are those of the joints, one where they share it.
+fn origin(factor: f64, verdict: &Verdict, joints: &[String]) -> String {
+    let bounds = |place: usize| verdict.factor_bounds.get(place).copied().flatten();
+    let load = if verdict.factor_bounds.iter().any(Option::is_some) { LOAD } else { "" };
+    let factors = &verdict.factors;
     if factors.len() > 1 {
-        let each = factors.iter().zip(joints).map(|(f, joint)| match f {
-            // Torques before gears are parts of those behind them.
-            Some(f) if f.abs() < SMALL => format!("{joint} 1/{}", about(1.0 / f.abs())),
-            Some(f) => format!("{joint} {}", about(f.abs())),
+        let each = factors.iter().zip(joints).enumerate().map(|(place, (f, joint))| match f {
+            Some(f) => format!("{joint} {}", known(*f, bounds(place))),
             None => format!("{joint} not known"),
         });
         let each = each.collect::<Vec<_>>().join(", ");
         return format!(
-            "the factor differs from joint to joint ({each}): currents, percent, or the motor side of the gears; give \
+            "the factor differs from joint to joint ({each}{load}): currents, percent, or the motor side of the gears; give \
              [units] torque, [motors] gear_ratio and torque_constant_nm_a in a dataset. A clock that runs wrong changes the torques of inertia \
              so too: a log without velocities may not show it otherwise. So does the log of another robot"
         );
@@ -150,7 +171,7 @@ fn origin(factor: f64, factors: &[Option<f64>], joints: &[String]) -> String {
                 false => String::new(),
             };
             format!(
-                "they are one of: {gear}in amperes or percent (torque_constant_nm_a){unit}, or those of another robot"
+                "they are one of: {gear}in amperes or percent (torque_constant_nm_a){unit}, or those of another robot{load}"
             )
         }
     }
@@ -204,7 +225,7 @@ fn fall(verdict: &Verdict, joints: &[String]) -> String {
 }
 
 /// Two shares in the fewest digits in which they differ.
-fn apart(one: f64, other: f64) -> [String; 2] {
+pub(super) fn apart(one: f64, other: f64) -> [String; 2] {
     let with = |digits: usize| [one, other].map(|share| format!("{:.digits$} %", 100.0 * share));
     (0..DIGITS).map(with).find(|[one, other]| one != other).unwrap_or_else(|| with(DIGITS))
 }
@@ -256,11 +277,12 @@ pub(crate) fn findings(verdict: &Verdict, joints: &[String]) -> Vec<Finding> {
             };
             let text = match (change, rivals.is_empty()) {
                 (Change::TorqueScale(factor), _) => {
+                    let shared = verdict.factor_bounds.first().copied().flatten();
                     let own = match verdict.factors.len() {
-                        0 | 1 => own,
+                        0 | 1 => shared.map_or(own, scale_between),
                         _ => "the torques are not as large as the URDF's bodies need".into(),
                     };
-                    format!("{own}: {}; {gain}", origin(factor, &verdict.factors, joints))
+                    format!("{own}: {}; {gain}", origin(factor, verdict, joints))
                 }
                 (_, true) => format!("{own}{also}: {gain}{next}"),
                 (_, false) => format!(
@@ -336,7 +358,16 @@ pub fn is_description(kind: Kind) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::apart;
+    use super::{apart, known, scale_between};
+
+    #[test]
+    fn factors_that_a_load_changes_have_bounds() {
+        assert_eq!([known(-51.2, None), known(0.02, None)], ["51", "1/50"]);
+        assert_eq!(known(51.0, Some([4.21, 51.0])), "between 4.2 and 51");
+        assert_eq!(known(0.02, Some([0.02, 0.5])), "between 1/50 and 0.50");
+        assert!(scale_between([0.067, 0.125]).contains("between 8.0 and 15 times smaller"));
+        assert!(scale_between([8.0, 15.0]).contains("between 8.0 and 15 times larger"));
+    }
 
     #[test]
     fn shares_have_as_many_digits_as_tell_them_apart() {

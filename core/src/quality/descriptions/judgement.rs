@@ -9,7 +9,7 @@ use super::known::Known;
 use super::scales::{OtherScales, Scales};
 use super::search::{Found, Outcome, are_of_bodies, opposite_zeros, search, settled};
 use super::shares::ALIKE;
-use super::sizes::{effort, spread};
+use super::sizes::{bounds, effort, spread};
 use super::tried::Tried;
 use super::verdict::{Shown, Spread, Verdict};
 use super::weights::{self, Weighed};
@@ -81,7 +81,13 @@ pub(crate) struct Judged {
 /// Judges the description of some logs of one arm.
 pub(crate) fn judge(views: &[&View], robot: Option<&Robot>) -> Judged {
     let mut tilt = None;
-    let verdict = changed(views, robot, &mut tilt);
+    let mut verdict = changed(views, robot, &mut tilt);
+    if let (Some(verdict), Some(robot)) = (&mut verdict, robot)
+        && !verdict.factors.is_empty()
+        && let Some(rows) = Rows::new(views, Some(robot))
+    {
+        verdict.factor_bounds = bounds::of_factors(robot, &rows, &verdict.description, &verdict.factors);
+    }
     Judged { tilt: tilt.filter(|_| verdict.is_none()), verdict }
 }
 
@@ -282,6 +288,7 @@ fn untraced_verdict(before: &Tried, after: Tried, factors: Vec<Option<f64>>) -> 
         shown: None,
         description: after.description,
         factors,
+        factor_bounds: Vec::new(),
         by_bodies: false,
         spread: None,
         assumed: Vec::new(),
@@ -321,6 +328,7 @@ fn verdict(outcome: Outcome, spread: Option<Spread>, confirmed: impl Fn(&Found) 
         shown: None,
         description: found.best.description,
         factors: Vec::new(),
+        factor_bounds: Vec::new(),
         by_bodies: !found.is_determined,
         spread,
         assumed,

@@ -131,6 +131,8 @@ pub struct Verdict {
     pub shown: Option<Shown>,
     /// Factors of the torques to those of the described bodies, where their scale is wrong.
     pub factors: Vec<Option<f64>>,
+    /// Bounds of these, where they are wide: a load that the robot's file lacks changes the factors.
+    pub factor_bounds: Vec<Option<[f64; 2]>>,
     /// Whether the direction of gravity is that which the described bodies prefer: the mechanism alone determines none.
     pub by_bodies: bool,
     /// How well the logs determine the direction of gravity, where that is changed.

@@ -158,9 +158,10 @@ impl<'a> Read<'a> {
                 units.time_factor = if sieved.may_count { shown.map(cycles::length_ms) } else { shown };
                 let text = if sieved.may_count { cycles::text } else { descriptions::clock_text };
                 let finding = |text: String| Finding::new(Kind::ClockFactor, Severity::Warning, "t", text);
-                findings.extend(units.time_factor.map(|factor| finding(text(factor))));
+                let fall = clock.map_or_else(String::new, |clock| format!("; {}", clock.fall()));
+                findings.extend(units.time_factor.map(|factor| finding(text(factor) + &fall)));
                 let unsure = clock.filter(|_| !is_sure).map(|clock| descriptions::unsure_clock_text(clock.factor));
-                findings.extend(unsure.map(finding));
+                findings.extend(unsure.map(|text| finding(text + &fall)));
                 if sieved.may_count && shown.is_none() {
                     let moving = motion::summaries(&whole, robot);
                     let too_fast = cycles::too_fast(moving.iter().filter_map(|summary| summary.speed_share));

@@ -75,6 +75,7 @@ fn assert_found(kind: Kind, place: &str, robot: Option<&Robot>, fault: impl Fn(&
 
 mod consequences;
 mod frozen;
+mod presliding;
 
 #[test]
 fn clean_logs_have_no_finding() {

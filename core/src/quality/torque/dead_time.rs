@@ -15,6 +15,9 @@ const COSTS: f64 = 2.0;
 /// The same, of a joint, from which its lag is shown: on right logs some lag takes a tenth off.
 const SHOWN: f64 = 1.25;
 
+/// Lags of the same dead time differ by less than this share of it, and a sample: filters and friction delay each torque a little otherwise.
+const ALIKE: f64 = 0.3;
+
 /// A torque that alone comes late is named from so many seconds on, where that takes this factor off its mean squared residual.
 const ALONE_S: f64 = 0.015;
 const ALONE_COSTS: f64 = 4.0;
@@ -114,9 +117,16 @@ impl Lags {
         self.0.iter().copied()
     }
 
-    /// A dead time that the joints agree on, or that of a single torque.
-    pub(super) fn finding(&self, view: &View) -> Option<Finding> {
-        self.of_all(view).or_else(|| self.of_one(view))
+    /// A dead time that the joints agree on, or that of a single torque; `away` are the lags by samples away from reversals.
+    pub(super) fn finding(&self, view: &View, away: &Lags) -> Option<Finding> {
+        self.of_all(view, away).or_else(|| self.of_one(view))
+    }
+
+    /// The dead time that the joints agree on, s, where samples away from reversals show it too: friction that builds up after reversals
+    /// does not.
+    pub(super) fn shown_away_too(&self, view: &View, away: &Lags) -> Option<f64> {
+        let (all, away) = (self.in_common(view)?, away.in_common(view)?);
+        ((all - away).abs() < ALIKE * all.abs() + view.period).then_some(all)
     }
 
     /// The dead time of the only torque that comes late.
@@ -139,7 +149,7 @@ impl Lags {
     }
 
     /// The dead time that the joints agree on, s: positive where the torque comes behind the motion.
-    pub(super) fn in_common(&self, view: &View) -> Option<f64> {
+    fn in_common(&self, view: &View) -> Option<f64> {
         let lags = &self.0;
         let costly = lags.iter().filter(|(_, lag)| lag.cost > COSTS).count();
         if lags.len() * 2 < view.dof() || costly * 2 < lags.len() {
@@ -148,20 +158,26 @@ impl Lags {
         let mut lags: Vec<f64> = lags.iter().map(|(_, lag)| lag.samples * view.period).collect();
         lags.sort_by(f64::total_cmp);
         let median = lags[lags.len() / 2];
-        let agree = lags.iter().filter(|lag| (*lag - median).abs() < 0.3 * median.abs() + view.period).count();
+        let agree = lags.iter().filter(|lag| (*lag - median).abs() < ALIKE * median.abs() + view.period).count();
         let is_common = median.abs() >= SHORTEST_S.max(1.5 * view.period) && agree * 3 >= lags.len() * 2;
         is_common.then_some(median)
     }
 
     /// The finding on it.
-    fn of_all(&self, view: &View) -> Option<Finding> {
+    fn of_all(&self, view: &View, away: &Lags) -> Option<Finding> {
         let median = self.in_common(view)?;
+        let (ms, joints) = (1e3 * median.abs(), self.0.len());
+        let comes = if median > 0.0 { "behind" } else { "ahead of" };
+        if self.shown_away_too(view, away).is_none() {
+            let text = format!(
+                "the torque seems to come {comes} the motion by {ms:.1} ms (median of {joints} joints), and away from reversals it does not: a lag, or \
+                 friction that builds up after reversals; `tauscope diagnose` separates a time_delay from a presliding_hysteresis"
+            );
+            return Some(Finding::new(Kind::DeadTime, Severity::Note, "tau", text));
+        }
         let text = format!(
-            "the torque {} the motion by {:.1} ms (median of {} joints): the signals are not taken at the same time, or one \
-             is filtered; shift or filter the other",
-            if median > 0.0 { "comes behind" } else { "comes ahead of" },
-            1e3 * median.abs(),
-            self.0.len()
+            "the torque comes {comes} the motion by {ms:.1} ms (median of {joints} joints): the signals are not taken at the same time, or one is \
+             filtered; shift or filter the other"
         );
         Some(Finding::new(Kind::DeadTime, Severity::Warning, "tau", text))
     }

@@ -30,6 +30,10 @@ const REACH_S: f64 = 0.05;
 /// Distances after a reversal over which friction may build up, as shares of the range of a joint: what it does there is no dead time.
 const BUILDS_UP: [f64; 3] = [0.002, 0.01, 0.05];
 
+/// Share of the range of a joint behind a reversal over which its friction may still build up, as presliding does over some mrad: torques
+/// whose friction comes late look late. A lag of the signals also shows beyond it.
+const BUILT_UP: f64 = 0.05;
+
 /// A condition number above this makes base parameters uncertain.
 const POOR: f64 = 2000.0;
 
@@ -72,7 +76,9 @@ pub(super) fn examined(view: &View, summaries: &mut [JointSummary], robot: Optio
         Some(model) => model.columns(&motion, 0.0),
         None => (0..view.dof()).map(|joint| joint_alone(&motion, joint)).collect(),
     };
-    let (mut out, mut near, mut far) = (Vec::new(), Lags::default(), Lags::default());
+    let mut out = Vec::new();
+    // By all rows, and by those away from reversals.
+    let [mut near, mut far, mut near_away, mut far_away] = [(); 4].map(|()| Lags::default());
     for joint in 0..view.dof() {
         let tau = view.tau.channel(joint);
         let silent = tau.iter().all(|v| *v == tau[0] || v.is_nan());
@@ -84,7 +90,8 @@ pub(super) fn examined(view: &View, summaries: &mut [JointSummary], robot: Optio
         summaries[joint].constant = fit.constant(tau);
         // A torque that is no measurement in parts lags nothing.
         if robot.is_some() && channels::spoilt(view, joint).is_empty() {
-            let with_reversals = columns[joint].iter().map(<[f64]>::to_vec).chain(after_reversals(view, joint, &rows));
+            let since = SinceReversal::of(view, joint);
+            let with_reversals = columns[joint].iter().map(<[f64]>::to_vec).chain(since.decaying(&rows));
             let with_reversals = Channels::from_vectors(&with_reversals.collect::<Vec<_>>());
             let fit = JointFit::new(&with_reversals, &rows, motion.qd.channel(joint), view.band[joint], all);
             let lag = fit.and_then(|fit| Search::Near(reach).lag(&fit, tau));
@@ -95,10 +102,17 @@ pub(super) fn examined(view: &View, summaries: &mut [JointSummary], robot: Optio
             let within = |row: usize| search.is_within(row, tau.len());
             let fit = JointFit::new(&with_reversals, &rows, motion.qd.channel(joint), view.band[joint], within);
             far.add(joint, fit.and_then(|fit| search.lag(&fit, tau)));
+            let away = |search: Search, lags: &mut Lags| {
+                let wanted = |row: usize| search.is_within(row, tau.len()) && since.is_beyond(row, BUILT_UP);
+                let fit = JointFit::new(&columns[joint], &rows, motion.qd.channel(joint), view.band[joint], wanted);
+                lags.add(joint, fit.and_then(|fit| search.lag(&fit, tau)));
+            };
+            away(Search::Near(reach), &mut near_away);
+            away(search, &mut far_away);
         }
     }
-    out.extend(near.finding(view).or_else(|| {
-        let finding = far.finding(view)?;
+    out.extend(near.finding(view, &near_away).or_else(|| {
+        let finding = far.finding(view, &far_away)?;
         far.each().for_each(|(joint, lag)| summaries[joint].dead_time_s = lag.shown_s(view.period));
         Some(finding)
     }));
@@ -110,7 +124,7 @@ pub(super) fn examined(view: &View, summaries: &mut [JointSummary], robot: Optio
         );
         out.push(Finding::new(Kind::PoorExcitation, Severity::Note, "motion", text));
     }
-    let late = near.in_common(view).map_or(0, |seconds| (seconds / view.period).round() as isize);
+    let late = near.shown_away_too(view, &near_away).map_or(0, |seconds| (seconds / view.period).round() as isize);
     Torques { findings: out, condition_number: condition, late }
 }
 
@@ -120,25 +134,40 @@ fn picked(view: &View, rows: &[usize]) -> Motion {
     Motion { q: pick(&view.q), qd: pick(&view.qd), qdd: pick(&view.qdd) }
 }
 
-/// Direction of motion of a joint, decaying with the distance from the last reversal, at some samples: one column for each of
-/// [`BUILDS_UP`]. Friction that builds up after reversals, and gears that yield to it, are spanned by these.
-fn after_reversals(view: &View, joint: usize, rows: &[usize]) -> Vec<Vec<f64>> {
-    let (q, qd) = (view.q.channel(joint), view.qd.channel(joint));
-    let [least, most] = q.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], &q| [a.min(q), b.max(q)]);
-    let mut reversal = q[0];
-    let since: Vec<f64> = (0..q.len())
-        .map(|sample| {
+/// How far a joint has moved since its last reversal.
+struct SinceReversal {
+    /// The distance at every sample, as a share of the joint's range.
+    share: Vec<f64>,
+    /// The direction of motion.
+    direction: Vec<f64>,
+}
+
+impl SinceReversal {
+    fn of(view: &View, joint: usize) -> SinceReversal {
+        let (q, qd) = (view.q.channel(joint), view.qd.channel(joint));
+        let [least, most] = q.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], &q| [a.min(q), b.max(q)]);
+        let range = (most - least).max(f64::MIN_POSITIVE);
+        let mut reversal = q[0];
+        let since = |sample: usize| {
             if sample > 0 && (qd[sample] > 0.0) != (qd[sample - 1] > 0.0) {
                 reversal = q[sample];
             }
-            (q[sample] - reversal).abs()
-        })
-        .collect();
-    let decaying = |share: f64| {
-        let over = (share * (most - least)).max(f64::MIN_POSITIVE);
-        rows.iter().map(|&row| qd[row].signum() * (-since[row] / over).exp()).collect()
-    };
-    BUILDS_UP.map(decaying).into()
+            (q[sample] - reversal).abs() / range
+        };
+        SinceReversal { share: (0..q.len()).map(since).collect(), direction: qd.iter().map(|v| v.signum()).collect() }
+    }
+
+    /// Whether a sample is farther from the last reversal than a share of the range.
+    fn is_beyond(&self, sample: usize, share: f64) -> bool {
+        self.share[sample] > share
+    }
+
+    /// Direction of motion, decaying with the distance, at some samples: one column for each of [`BUILDS_UP`]. Friction that builds up
+    /// after reversals, and gears that yield to it, are spanned by these.
+    fn decaying(&self, rows: &[usize]) -> Vec<Vec<f64>> {
+        let at = |row: usize, over: f64| self.direction[row] * (-self.share[row] / over).exp();
+        BUILDS_UP.map(|over| rows.iter().map(|&row| at(row, over)).collect()).into()
+    }
 }
 
 /// Columns of a joint of which nothing is known: offset, gravity on a level axis, rotor, friction.

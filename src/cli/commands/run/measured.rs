@@ -38,7 +38,7 @@ pub(super) fn run(path: &Path, global: &Global) -> Result<u8> {
     if let Some(description) = &correction {
         robot.gravity = description.gravity;
     }
-    corrected::write(&folder, Some(&dataset), &Named::default(), &robot, correction.as_ref(), units)?;
+    corrected::write(&folder, Some(&dataset), &Named::default(), &robot, correction.as_ref(), None, units)?;
     let model = Model::new(&robot);
     let usual_preparation = Preparation::usual(&train[0]);
     let (train, test): (Vec<&Recording>, Vec<&Recording>) = (train.iter().collect(), test.iter().collect());

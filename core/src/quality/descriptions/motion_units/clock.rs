@@ -6,6 +6,7 @@
 
 use super::super::change::{Change, Description};
 use super::super::compare::{Comparison, DISTINCT, EXPLAINED, compare};
+use super::super::findings::apart;
 use super::super::fitting::{Physics, Rows};
 use super::super::judgement::judge;
 use super::super::shares::WRONG_MASSES;
@@ -54,6 +55,20 @@ pub(crate) struct ClockFactor {
     pub factor: f64,
     /// Whether nothing else explains the torques as well.
     pub is_sure: bool,
+    /// Share of the torques that stays unexplained, held out, in the time of the clock and in that by the factor.
+    pub unexplained: [f64; 2],
+}
+
+impl ClockFactor {
+    /// By how much the residual falls, in words.
+    pub(crate) fn fall(&self) -> String {
+        let [before, after] = self.unexplained;
+        if !before.is_finite() {
+            return format!("with that {:.0} % of the torque stays unexplained on parts held out", 100.0 * after);
+        }
+        let [after, before] = apart(after, before);
+        format!("with that {after} of the torque stays unexplained on parts held out instead of {before}")
+    }
 }
 
 /// True seconds per second of the clock that made these logs, where bodies explain their torques clearly better by it than by the clock, and
@@ -135,7 +150,8 @@ fn by_described_bodies(masses: &Timing, factor: f64, free: &Timing) -> Result<Op
     let is_sure = free.gain(&rows, &of_free, factor).is_some_and(|gain| gain.is_distinct());
     let denies = || free.loss(&rows, &of_free, factor).is_none_or(|loss| loss.is_distinct());
     let is_possible = is_sure || !denies();
-    Ok(is_possible.then(|| (ClockFactor { factor, is_sure }, of_free.share())))
+    let unexplained = [masses.share(1.0)?, own.share()];
+    Ok(is_possible.then(|| (ClockFactor { factor, is_sure, unexplained }, of_free.share())))
 }
 
 /// A factor that free bodies show, with the share of the torques that they leave then.
@@ -146,7 +162,8 @@ fn by_free_bodies(free: &Timing) -> Result<Option<(ClockFactor, f64)>> {
     }
     let Some(rows) = free.times.rows(factor)? else { return Ok(None) };
     let Some(with) = free.tried(&rows) else { return Ok(None) };
-    Ok(free.is_shown(&rows, &with, factor).then(|| (ClockFactor { factor, is_sure: true }, with.share())))
+    let unexplained = [free.share(1.0)?, with.share()];
+    Ok(free.is_shown(&rows, &with, factor).then(|| (ClockFactor { factor, is_sure: true, unexplained }, with.share())))
 }
 
 /// Logs in other times.

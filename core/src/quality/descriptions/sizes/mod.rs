@@ -6,11 +6,13 @@
 //! | how well the logs determine one | `spread` |
 //! | how large torques are | `scale` |
 //! | how large the torque of one joint is | `factors` |
+//! | within what these are, with and without a load | `bounds` |
 //! | how torques of one scale differ from joint to joint | `unequal` |
 //! | whether a torque is beyond its drive | `effort` |
 //! | where the zero of a joint is | `zeros` |
 //! | the least value of a function | `golden` |
 
+pub(super) mod bounds;
 pub(super) mod effort;
 pub(super) mod factors;
 pub(super) mod golden;

@@ -56,9 +56,13 @@ fn grouped(cell: &str) -> Option<f64> {
     format!("{}.{fraction}", whole.replace('.', "")).parse().ok()
 }
 
-/// Seconds of a date with a time, from 1970, or of a time of day, from midnight: `2024-05-01 12:00:00.004`, `5/1/2024 12:00:00 PM`.
+/// Seconds of a date with a time, from 1970, of a time of day, from midnight, or of a duration in days, hours, minutes and seconds:
+/// `2024-05-01 12:00:00.004`, `5/1/2024 12:00:00 PM`, `0 days 00:00:00.004`.
 pub(super) fn date(cell: &[u8]) -> Option<f64> {
     let cell = std::str::from_utf8(cell.trim_ascii()).ok()?;
+    if let Some((days, clock)) = cell.split_once(" day") {
+        return duration(days, clock);
+    }
     let (day, clock) = match cell.split_once(['T', ' ']) {
         Some((day, clock)) if !day.contains(':') => (Some(day), clock),
         _ => (None, cell),
@@ -81,6 +85,21 @@ pub(super) fn date(cell: &[u8]) -> Option<f64> {
         Some(day) => days_of(day)? as f64,
     };
     Some(86400.0 * days + 3600.0 * hours + 60.0 * minutes + seconds)
+}
+
+/// Seconds of a duration as pandas writes it, `0 days 00:00:00.004` and `-1 days +23:59:59.5`, from both sides of ` day`. One of whole days
+/// has no clock.
+fn duration(days: &str, clock: &str) -> Option<f64> {
+    let days: i64 = days.parse().ok()?;
+    let clock = clock.strip_prefix('s').unwrap_or(clock).trim_start();
+    let clock = clock.strip_prefix('+').unwrap_or(clock);
+    let mut seconds = 0.0;
+    if !clock.is_empty() {
+        let parts: Vec<f64> = clock.split(':').map(|part| part.parse().ok()).collect::<Option<_>>()?;
+        let [hours, minutes, own] = parts[..] else { return None };
+        seconds = 3600.0 * hours + 60.0 * minutes + own;
+    }
+    Some(86400.0 * days as f64 + seconds)
 }
 
 /// Days from 1970 of a date: year, month, day; or with the year last, behind day and month with points, and behind month and day or
@@ -149,6 +168,14 @@ mod tests {
         assert_eq!(date(b"00:01:02.25"), Some(62.25));
         assert_eq!([date(b"12:00:01 AM"), date(b"01:00:00 pm")], [Some(1.0), Some(46800.0)]);
         assert_eq!((date(b"1.5"), date(b"x:y:z"), date(b"")), (None, None, None));
+    }
+
+    #[test]
+    fn durations_are_seconds() {
+        assert_eq!([date(b"0 days 00:00:00.004000"), date(b"0 days 00:00:01")], [Some(0.004), Some(1.0)]);
+        assert_eq!([date(b"1 days 00:00:00.5"), date(b"1 day 01:02:03")], [Some(86400.5), Some(90123.0)]);
+        assert_eq!([date(b"-1 days +23:59:59.5"), date(b"2 days")], [Some(-0.5), Some(172_800.0)]);
+        assert_eq!([date(b"x days 00:00:01"), date(b"0 days 00:01"), date(b"0 daysx")], [None; 3]);
     }
 
     #[test]

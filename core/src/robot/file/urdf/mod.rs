@@ -12,7 +12,6 @@ mod elements;
 mod numbers;
 mod reader;
 mod settled;
-mod sizes;
 #[cfg(test)]
 mod tests;
 mod transmissions;

@@ -251,12 +251,19 @@ fn joints_that_follow() {
 fn other_units_are_recognised() {
     let plain = read(&arm(SI)).unwrap();
     let mm = Printed { length: 1e3, ..SI };
+    let cm = Printed { length: 1e2, ..SI };
     for (printed, words) in [
         (mm, vec!["lengths of joints are read as mm"]),
         (Printed { center: 1e3, ..mm }, vec!["lengths of joints", "centres of mass are read as mm"]),
+        (cm, vec!["lengths of joints are read as cm"]),
+        (Printed { center: 1e2, ..cm }, vec!["lengths of joints", "centres of mass are read as cm"]),
+        (Printed { center: 1e2, moment: 1e4, ..cm }, vec!["read as cm", "centres of mass", "kg cm2"]),
         (Printed { center: 1e3, ..SI }, vec!["centres of mass are read as mm"]),
         (Printed { mass: 1e3, moment: 1e3, ..SI }, vec!["masses are read as g", "read as g m2"]),
         (Printed { mass: 1e3, ..SI }, vec!["masses are read as g"]),
+        (Printed { moment: 1e4, ..SI }, vec!["read as kg cm2"]),
+        (Printed { moment: 1e7, ..SI }, vec!["read as g cm2"]),
+        (Printed { moment: 1e7, mass: 1e3, ..SI }, vec!["masses are read as g", "read as g cm2"]),
         (Printed { moment: 1e6, ..SI }, vec!["read as kg mm2"]),
         (Printed { moment: 1e9, ..SI }, vec!["read as g mm2"]),
         (Printed { moment: 1e9, mass: 1e3, ..SI }, vec!["masses are read as g", "read as g mm2"]),

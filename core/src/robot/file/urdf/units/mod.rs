@@ -1,9 +1,13 @@
-//! Units other than SI in a URDF, recognised by sizes that no arm has: millimetres, grams, kg mm2 and degrees.
+//! Units other than SI in a URDF, recognised by sizes that no arm has: millimetres, centimetres, grams, kg mm2 and its like, and degrees.
+
+mod readings;
+mod sizes;
 
 use super::super::xml::child;
 use super::edits::{Edit, words};
-use super::sizes::{BodyNumbers, JointNumbers, Sizes, median, numbers};
+use readings::Reading;
 use roxmltree::{Document, Node};
+use sizes::{BodyNumbers, JointNumbers, Sizes, median, numbers};
 use std::f64::consts::{PI, TAU};
 
 /// A way from base to tip beyond this, with joints [`LONG_LINK`] apart, is printed in mm: no arm is 50 m long, and one of
@@ -41,15 +45,16 @@ const HEAVIEST: f64 = 5000.0;
 /// Mass over the cube of the radius of gyration, kg/m3, that no body has: a ball of steel has 70000.
 const DENSE: f64 = 2e5;
 
-/// Radius of gyration over the size of the robot from which moments are printed in mm2: in SI it is .01 to .5, a
+/// Radius of gyration over the size of the robot from which moments are printed in mm2 or cm2: in SI it is .01 to .5, a
 /// placeholder may have 5, and moments in mm2 have a thousand times as much.
 const WIDE: f64 = 10.0;
 
+/// The same where the bodies have moments of their own, which are no placeholders: half of the links are not wider than all of the robot.
+/// Moments in cm2 have a hundred times what those in SI have.
+const WIDER_THAN_ALL: f64 = 1.0;
+
 /// The same where masses are far too large as well: grams shrink the radius by a factor of 32.
 const WIDE_AND_HEAVY: f64 = 1.0;
-
-/// Radius of gyration over the size of a robot, in the middle of those of arms.
-const TYPICAL_RADIUS: f64 = 0.08;
 
 /// Range of a turning joint, rad, that is printed in degrees: cables and hoses allow a few turns. A quarter of the joints
 /// must have one, and more than half a range of more than [`TURNS`].
@@ -115,7 +120,7 @@ impl Units<'_, '_, '_> {
         }
     }
 
-    /// Recognises millimetres.
+    /// Recognises millimetres and centimetres.
     fn lengths(&mut self) -> Divisors {
         let reach = self.sizes.reach;
         let links = self.sizes.joints.iter().map(|joint| joint.length).filter(|&length| length > 0.0).collect();
@@ -124,21 +129,25 @@ impl Units<'_, '_, '_> {
         let farthest = self.sizes.bodies.iter().map(|body| body.center).fold(0.0, f64::max);
         let mut scale = Divisors { joint: 1.0, center: 1.0 };
         if reach > LONG_REACH && link > LONG_LINK {
-            scale.joint = 1000.0;
-            self.notes.push(format!("lengths of joints are read as mm: the robot would be {reach:.0} m long"));
-            self.sizes.joints.iter().for_each(|joint| self.divide(child(&joint.node, "origin"), &["xyz"], 1000.0));
+            let Reading { divisor, unit } = readings::of_lengths(reach, &self.sizes.bodies);
+            scale.joint = divisor;
+            self.notes.push(format!("lengths of joints are read as {unit}: the robot would be {reach:.0} m long"));
+            self.sizes.joints.iter().for_each(|joint| self.divide(child(&joint.node, "origin"), &["xyz"], divisor));
         } else if reach > NOTED_REACH {
             self.notes.push(format!("the robot is {reach:.0} m long if lengths are in m, as they are read"));
         }
-        let in_mm = match scale.joint == 1.0 {
+        let is_far = match scale.joint == 1.0 {
             true => farthest > FAR_CENTER * reach.max(1.0) && center > USUAL_CENTER,
             false => center > NEAR_CENTER * reach,
         };
-        if in_mm {
-            scale.center = 1000.0;
-            self.notes
-                .push(format!("centres of mass are read as mm: they would be up to {farthest:.0} m from their joints"));
-            self.sizes.bodies.iter().for_each(|body| self.divide(child(&body.node, "origin"), &["xyz"], 1000.0));
+        if is_far {
+            // Programs that keep joints in m print centres of mass in mm, and others both alike.
+            scale.center = if scale.joint == 1.0 { 1000.0 } else { scale.joint };
+            let unit = if scale.center == 100.0 { "cm" } else { "mm" };
+            self.notes.push(format!(
+                "centres of mass are read as {unit}: they would be up to {farthest:.0} m from their joints"
+            ));
+            self.sizes.bodies.iter().for_each(|body| self.divide(child(&body.node, "origin"), &["xyz"], scale.center));
         }
         scale
     }
@@ -152,7 +161,7 @@ impl Units<'_, '_, '_> {
             bodies.iter().filter(|body| body.mass > 0.0 && body.moments != [0.0; 3]).collect();
         let placeholder = solid.iter().all(|body| body.moments == solid[0].moments);
         let wide = |moments: f64, mass: f64| {
-            let radii = solid.iter().map(|body| gyration(body, moments, mass) / size).collect();
+            let radii = solid.iter().map(|body| readings::gyration(body, moments, mass) / size).collect();
             median(radii).unwrap_or(0.0)
         };
         if size == 0.0 || solid.is_empty() || placeholder && solid.len() > 1 {
@@ -161,21 +170,22 @@ impl Units<'_, '_, '_> {
         let total: f64 = bodies.iter().map(|body| body.mass).sum();
         let usual = median(solid.iter().map(|body| body.mass).collect()).unwrap_or(0.0);
         let heavy = total / size.powi(3) > HEAVY && total > LIGHTEST && usual > USUAL_MASS;
-        let in_mm2 = wide(1.0, 1.0) > if heavy && total > HEAVIEST { WIDE_AND_HEAVY } else { WIDE };
+        let widest = match heavy && total > HEAVIEST {
+            true => WIDE_AND_HEAVY,
+            false if readings::have_own_moments(&solid) => WIDER_THAN_ALL,
+            false => WIDE,
+        };
+        let is_wide = wide(1.0, 1.0) > widest;
         let density = |moments: f64| {
-            median(solid.iter().map(|body| body.mass / gyration(body, moments, 1.0).powi(3)).collect()).unwrap_or(0.0)
+            median(solid.iter().map(|body| body.mass / readings::gyration(body, moments, 1.0).powi(3)).collect())
+                .unwrap_or(0.0)
         };
-        let in_grams = heavy && (total > HEAVIEST || density(if in_mm2 { 1e6 } else { 1.0 }) > DENSE);
+        let in_grams = heavy && (total > HEAVIEST || density(if is_wide { 1e6 } else { 1.0 }) > DENSE);
         let mass = if in_grams { 1000.0 } else { 1.0 };
-        // Of the units that moments may have, the one is meant that gives bodies of usual size.
-        let candidates = match (in_mm2, in_grams) {
-            (false, false) => vec![(1.0, "kg m2")],
-            (true, false) => vec![(1e6, "kg mm2"), (1e9, "g mm2")],
-            (_, true) => vec![(1.0, "kg m2"), (1e3, "g m2"), (1e6, "kg mm2"), (1e9, "g mm2")],
+        let Reading { divisor: moments, unit } = match is_wide || in_grams {
+            true => readings::of_moments(&solid, size, mass),
+            false => Reading { divisor: 1.0, unit: "kg m2" },
         };
-        let off = |moments: f64| (wide(moments, mass) / TYPICAL_RADIUS).ln().abs();
-        let best = candidates.into_iter().min_by(|a, b| off(a.0).total_cmp(&off(b.0)));
-        let Some((moments, unit)) = best else { return };
         if in_grams {
             self.notes.push(format!("masses are read as g: a robot {size:.2} m long would weigh {total:.0} kg"));
             bodies.iter().for_each(|body| self.divide(child(&body.node, "mass"), &["value"], mass));
@@ -252,12 +262,6 @@ impl Units<'_, '_, '_> {
             }
         }
     }
-}
-
-/// Radius of gyration of a body whose printed moments and mass are divided by these.
-fn gyration(body: &BodyNumbers, moments: f64, mass: f64) -> f64 {
-    let trace: f64 = body.moments.iter().sum();
-    (0.5 * trace.abs() / moments / (body.mass / mass)).sqrt()
 }
 
 /// Whether an angle is a printed multiple of pi/12 and no whole number.

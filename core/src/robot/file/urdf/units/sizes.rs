@@ -1,7 +1,7 @@
 //! The sizes of the robot in a URDF as it is printed: what its units are recognised by.
 
-use super::super::xml::{attribute, child, children, words};
-use super::elements::joint_type;
+use super::super::super::xml::{attribute, child, children, words};
+use super::super::elements::joint_type;
 use roxmltree::{Document, Node};
 use std::collections::HashMap;
 

@@ -105,6 +105,15 @@ fn unsigned(view: &View, joint: usize, tau: &[f64], visits: &Visits, robot: Opti
     Ok(Some(Finding::new(Kind::UnsignedTorque, Severity::Warning, view.place("tau", joint), text)))
 }
 
+/// The finding on a torque that lost its sign, as the model shows, where it does not turn back at zero often enough to show it by itself.
+pub(super) fn by_model(joint: usize, name: &str, tau: &[f64]) -> Finding {
+    let what = if extremes(tau).0 >= 0.0 { "never negative" } else { "never positive" };
+    let text = format!(
+        "the torque is {what}, although that of the model changes its sign and explains it so: its sign was lost; log it with its sign"
+    );
+    Finding::new(Kind::UnsignedTorque, Severity::Warning, format!("tau{} ({name})", joint + 1), text)
+}
+
 /// Whether a torque comes to zero and leaves it on straight lines, from the parts in which it is within `near` of it.
 fn have_kinks(parts: &[&[f64]], near: f64) -> bool {
     let inner = |part: &&[f64]| part.iter().filter(|value| value.abs() < 0.25 * near).count();

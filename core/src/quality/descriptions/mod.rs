@@ -14,7 +14,7 @@
 //! | which way friction acts, without a model | `jumps` |
 //! | changes that have a size: gravity, scales, zeros | `sizes` |
 //! | what the described bodies indicate about the residual | `bodies` |
-//! | whether one torque lost its sign on the way | `lost_signs` |
+//! | whether a torque lost its sign on the way | `lost_signs` |
 //! | whether the clock is wrong, or positions are in another unit | `motion_units` |
 //! | the judgement of all of these | `judgement` |
 //! | its content | `verdict` |
@@ -45,7 +45,7 @@ pub(super) use contradiction::contradict;
 pub(super) use findings::{findings, of_tilt};
 pub use findings::{is_description, words};
 pub(super) use judgement::{Judged, is_modelled, judge};
-pub(super) use lost_signs::is_explained_with_signs;
+pub(super) use lost_signs::{is_explained_with_signs, without_sign};
 pub(super) use motion_units::{
     ClockFactor, are_turns, clock_factor, clock_text, gear_ratio, in_si_units, torques_deny_clock, unsure_clock_text,
 };

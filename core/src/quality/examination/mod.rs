@@ -3,15 +3,18 @@
 mod alone;
 mod clocks;
 
-use super::descriptions;
+use super::descriptions::{self, Verdict};
 use super::finding::{Finding, Kind, Severity};
+use super::lost_signs;
 use super::motion;
 use super::report::{Report, Together};
 use super::view::View;
 use crate::error::Result;
+use crate::recording::Recording;
 use crate::recording::lenient::{self, ColumnMap, Sieved};
 use crate::robot::Robot;
 use alone::Read;
+use nalgebra::Vector3;
 use std::path::Path;
 
 /// Faults of the signals after which torques and motion do not belong together, whatever robot they are of.
@@ -62,16 +65,23 @@ pub fn examine_together(logs: &[&Sieved], robot: Option<&Robot>) -> Result<Toget
         torques.push(usable);
     }
     let with_torque: Vec<usize> = (0..logs.len()).filter(|&log| torques[log].is_some()).collect();
-    let views = torques.iter().flatten().map(|(log, late)| Ok(View { late: *late, ..View::new(log, robot)? }));
-    let views: Vec<View> = views.collect::<Result<_>>()?;
+    let mut views = views_of(&torques, robot)?;
+    let mut judged = Descriptions::of(&views, robot);
+    let lost = judged.without_sign(&views, robot, &reports);
+    if !lost.is_empty() {
+        drop(views);
+        for &log in &with_torque {
+            leave_out(&mut reports[log], torques[log].as_mut(), &lost);
+        }
+        views = views_of(&torques, robot)?;
+        judged = Descriptions::of(&views, robot);
+    }
     let all: Vec<&View> = views.iter().collect();
-    let descriptions::Judged { verdict, tilt } = descriptions::judge(&all, robot);
-    let by_themselves =
-        verdict.is_none() && views.len() > 1 && robot.is_none_or(|robot| descriptions::contradict(&all, robot));
-    for (&log, view) in with_torque.iter().zip(&views) {
-        let own = match verdict {
-            None if by_themselves => descriptions::judge(&[view], robot).verdict,
-            _ => verdict.clone(),
+    let Descriptions { verdict, tilt, mut by_themselves } = judged;
+    for (place, (&log, view)) in with_torque.iter().zip(&views).enumerate() {
+        let own = match by_themselves.get_mut(place) {
+            Some(own) => own.take(),
+            None => verdict.clone(),
         };
         if let Some(own) = own {
             // Positions that leave the limits for that are no fault of their own.
@@ -132,4 +142,55 @@ pub fn examine_together(logs: &[&Sieved], robot: Option<&Robot>) -> Result<Toget
         }
     }
     Ok(Together { reports, verdict })
+}
+
+/// The logs whose torques can be compared with motion.
+fn views_of<'a>(torques: &'a [Option<(Recording, isize)>], robot: Option<&'a Robot>) -> Result<Vec<View<'a>>> {
+    torques.iter().flatten().map(|(log, late)| Ok(View { late: *late, ..View::new(log, robot)? })).collect()
+}
+
+/// What is wrong with the description of some logs.
+struct Descriptions {
+    /// Of all logs together.
+    verdict: Option<Verdict>,
+    tilt: Option<Vector3<f64>>,
+    /// Of each log, where all together show nothing and contradict each other; else empty.
+    by_themselves: Vec<Option<Verdict>>,
+}
+
+impl Descriptions {
+    fn of(views: &[View], robot: Option<&Robot>) -> Descriptions {
+        let all: Vec<&View> = views.iter().collect();
+        let descriptions::Judged { verdict, tilt } = descriptions::judge(&all, robot);
+        let contradict =
+            verdict.is_none() && views.len() > 1 && robot.is_none_or(|robot| descriptions::contradict(&all, robot));
+        let of_each = all.iter().filter(|_| contradict).map(|view| descriptions::judge(&[view], robot).verdict);
+        Descriptions { by_themselves: of_each.collect(), verdict, tilt }
+    }
+
+    /// Joints whose torque lost its sign, where that looks like another fault.
+    fn without_sign(&self, views: &[View], robot: Option<&Robot>, reports: &[Report]) -> Vec<usize> {
+        let Some(robot) = robot else { return Vec::new() };
+        let of = |place: usize| match self.by_themselves.get(place) {
+            Some(own) => own.as_ref(),
+            None => self.verdict.as_ref(),
+        };
+        let found: Vec<_> = (0..views.len()).map(|place| of(place).map(|verdict| &verdict.description)).collect();
+        let known: Vec<usize> = reports.iter().flat_map(|report| report.unsigned.iter().copied()).collect();
+        descriptions::without_sign(&views.iter().collect::<Vec<_>>(), robot, &found, &known)
+    }
+}
+
+/// Leaves torques without their sign out of a log, and says so where that is not known yet.
+fn leave_out(report: &mut Report, torques: Option<&mut (Recording, isize)>, lost: &[usize]) {
+    let Some((log, _)) = torques else { return };
+    let known = report.unsigned.clone();
+    for &joint in lost.iter().filter(|joint| !known.contains(joint)) {
+        let tau = log.tau.channel_mut(joint);
+        report.findings.push(lost_signs::by_model(joint, &log.joints[joint], tau));
+        report.unsigned.push(joint);
+        tau.fill(0.0);
+    }
+    report.unsigned.sort_unstable();
+    report.findings.sort_by_key(|finding| std::cmp::Reverse(finding.severity));
 }

@@ -40,6 +40,17 @@ pub(crate) enum Physics {
     Alone,
 }
 
+/// The columns of a joint, row by row.
+struct JointColumns {
+    /// Place of every column among all parameters, by log.
+    parameters: Vec<Vec<Option<usize>>>,
+    columns: Vec<Vec<f64>>,
+    /// The torque that is known, that of described bodies.
+    known: Option<Vec<f64>>,
+    /// Rows in which the joint surely moves.
+    valid: Vec<usize>,
+}
+
 /// Inner products of a joint's columns with each other and with every torque, block by block.
 pub(crate) struct JointTable {
     /// Place of every column among all parameters, by log; none where a column plays no part in a log.
@@ -115,6 +126,30 @@ impl Physics {
 
     /// The tables of a description.
     pub(crate) fn tables(&self, rows: &Rows, description: &Description) -> Tables {
+        let (columns, bounds) = self.columns(rows, description);
+        Tables { joints: columns.into_iter().map(|own| JointTable::new(own, rows)).collect(), bounds }
+    }
+
+    /// The torque that the model has on a joint under a description, row by row, with parameters in the order of the tables.
+    pub(crate) fn predicted(
+        &self,
+        rows: &Rows,
+        description: &Description,
+        joint: usize,
+        parameters: &[f64],
+    ) -> Vec<f64> {
+        let (mut columns, _) = self.columns(rows, description);
+        let own = columns.swap_remove(joint);
+        let at = |row: usize| {
+            let places = own.parameters[rows.log[rows.block[row]]].iter().zip(&own.columns);
+            let known = own.known.as_ref().map_or(0.0, |known| known[row]);
+            known + places.filter_map(|(place, column)| Some(parameters[(*place)?] * column[row])).sum::<f64>()
+        };
+        (0..rows.block.len()).map(at).collect()
+    }
+
+    /// The columns of all joints under a description.
+    fn columns(&self, rows: &Rows, description: &Description) -> (Vec<JointColumns>, Bounds) {
         let dof = description.dof();
         let motion = Motion {
             q: description.positions(&rows.motion.q),
@@ -207,10 +242,10 @@ impl Physics {
                 bounds.nonnegative.push(place > 0);
                 columns.push(column);
             }
-            let known = known.as_ref().map(|known| known.channel(joint));
-            joints.push(JointTable::new(parameters, &columns, known, &valid, rows));
+            let known = known.as_ref().map(|known| known.channel(joint).to_vec());
+            joints.push(JointColumns { parameters, columns, known, valid });
         }
-        Tables { joints, bounds }
+        (joints, bounds)
     }
 
     /// The load of every log: free base parameters hold that of the first; where nothing is known of the bodies, nothing is known of
@@ -266,13 +301,7 @@ impl JointTable {
         Some(self.width().checked_sub(FRICTION_COLUMNS + 1)?..self.width())
     }
 
-    fn new(
-        parameters: Vec<Vec<Option<usize>>>,
-        columns: &[Vec<f64>],
-        known: Option<&[f64]>,
-        valid: &[usize],
-        rows: &Rows,
-    ) -> JointTable {
+    fn new(JointColumns { parameters, columns, known, valid }: JointColumns, rows: &Rows) -> JointTable {
         let (blocks, width, channels) = (rows.log.len(), columns.len(), rows.tau.channels());
         let mut table = JointTable {
             parameters,
@@ -286,14 +315,14 @@ impl JointTable {
         };
         // The signals that the columns are multiplied with come after these, so that one product holds all sums of a block.
         let torques = (0..channels).map(|channel| rows.tau.channel(channel));
-        let signals: Vec<&[f64]> = columns.iter().map(Vec::as_slice).chain(known).chain(torques).collect();
+        let signals: Vec<&[f64]> = columns.iter().map(Vec::as_slice).chain(known.as_deref()).chain(torques).collect();
         let first_torque = signals.len() - channels;
         for block in 0..blocks {
             let own: Vec<usize> = valid.iter().copied().filter(|&row| rows.block[row] == block).collect();
             let values = signals.iter().flat_map(|signal| own.iter().map(|&row| signal[row]));
             let sums = gram_matrix(&DMatrix::from_iterator(own.len(), signals.len(), values));
             let with = |signal: usize| sums.view((0, signal), (width, 1)).column(0).into_owned();
-            let known = known.map(|_| width);
+            let known = known.as_ref().map(|_| width);
             table.gram.push(sums.view((0, 0), (width, width)).into_owned());
             table.with_known.push(known.map_or_else(|| DVector::zeros(width), with));
             table.known_squares.push(known.map_or(0.0, |known| sums[(known, known)]));

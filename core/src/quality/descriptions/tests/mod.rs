@@ -253,6 +253,7 @@ mod loads;
 mod models;
 mod right_logs;
 mod scales;
+mod signs;
 mod slides;
 mod turns;
 mod units;

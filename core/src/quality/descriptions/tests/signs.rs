@@ -1,0 +1,36 @@
+//! A torque that lost its sign, beside one that has the wrong one.
+
+use super::*;
+use crate::quality::Severity;
+
+/// Two logs in which the torque of a joint is above zero for a share of the time, by a constant of its drive.
+fn above_zero(joint: usize, share: f64) -> [Sieved; 2] {
+    let mut logs = [50, 51].map(|seed| simulated(&irb(), Oddity::None, 15.0, seed));
+    let mut all: Vec<f64> = logs.iter().flat_map(|log| log.recording.tau.channel(joint).to_vec()).collect();
+    all.sort_by(f64::total_cmp);
+    let zero = all[((1.0 - share) * (all.len() - 1) as f64) as usize];
+    logs.iter_mut().for_each(|log| log.recording.tau.channel_mut(joint).iter_mut().for_each(|tau| *tau -= zero));
+    logs
+}
+
+/// What is found wrong with logs of which the torque of a joint is changed.
+fn told(logs: &[Sieved; 2], joint: usize, change: fn(f64) -> f64) -> Vec<(Kind, String)> {
+    let mut logs = logs.clone();
+    logs.iter_mut().flat_map(|log| log.recording.tau.channel_mut(joint)).for_each(|tau| *tau = change(*tau));
+    let together = examine_together(&[&logs[0], &logs[1]], Some(&irb())).unwrap();
+    let findings = together.reports.into_iter().flat_map(|report| report.findings);
+    findings.filter(|f| f.severity > Severity::Note).map(|finding| (finding.kind, finding.place)).collect()
+}
+
+#[test]
+fn a_torque_without_its_sign_has_no_wrong_sign() {
+    for joint in [1, 2] {
+        let place = format!("tau{} ({})", joint + 1, irb().joints[joint].name);
+        let logs = above_zero(joint, 0.08);
+        assert_eq!(told(&logs, joint, f64::abs), [(); 2].map(|()| (Kind::UnsignedTorque, place.clone())));
+        assert_eq!(told(&logs, joint, |tau| -tau), [(); 2].map(|()| (Kind::TorqueSign, place.clone())));
+        // It is on one side of zero, and so is the model's.
+        let logs = above_zero(joint, 0.0);
+        assert_eq!(told(&logs, joint, |tau| -tau), [(); 2].map(|()| (Kind::TorqueSign, place.clone())));
+    }
+}

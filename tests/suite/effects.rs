@@ -12,7 +12,7 @@ use tauscope::random;
 use tauscope::robot::{self, InertiaCheck, Robot, Unit};
 
 /// Every name there may be.
-const VOCABULARY: [&str; 28] = [
+const VOCABULARY: [&str; 29] = [
     "coulomb_friction",
     "viscous_friction",
     "friction_asymmetry",
@@ -28,6 +28,7 @@ const VOCABULARY: [&str; 28] = [
     "backlash",
     "torque_ripple",
     "joint_spring",
+    "one_sided_spring",
     "gravity_balancer",
     "payload",
     "link_inertia_error",

@@ -3,7 +3,7 @@
 use super::{
     Backlash, BaseTilt, CoulombFriction, Effect, EncoderEccentricity, EncoderOffset, ExternalContact,
     FrictionAsymmetry, FrictionWarmUp, GravityBalancer, IntegrationError, JointCoupling, JointElasticity, JointSpring,
-    LinkInertiaError, LoadDependentFriction, NonlinearViscousFriction, Payload, PositionDependentFriction,
+    LinkInertiaError, LoadDependentFriction, NonlinearViscousFriction, OneSidedSpring, Payload, PositionDependentFriction,
     PreslidingHysteresis, RotorInertia, StribeckFriction, TimeDelay, TorqueGain, TorqueLag, TorqueOffset, TorqueRipple,
     TorqueSaturation, ViscousFriction,
 };
@@ -27,6 +27,7 @@ pub static LIBRARY: &[&dyn Effect] = &[
     &LinkInertiaError,
     &LoadDependentFriction,
     &NonlinearViscousFriction,
+    &OneSidedSpring,
     &Payload,
     &PositionDependentFriction,
     &PreslidingHysteresis,

@@ -43,6 +43,12 @@ const COARSER: f64 = 2.0;
 /// Least number of periods over a joint's range: fewer are any bend over the position.
 const LEAST_PERIODS: f64 = 1.5;
 
+/// Distance that a joint moves at least, rad or m: one that stands still has no ripple to look for.
+const LEAST_RANGE: f64 = 1e-6;
+
+/// Least distance of a bend over the position from either end of the range of motion, over that range: nearer ones rest on few rows.
+const INSIDE: f64 = 0.1;
+
 /// Lengths of what happens once, s.
 const EVENTS_S: [f64; 3] = [1.5, 3.0, 6.0];
 
@@ -54,8 +60,8 @@ const LEAST_SIZE: f64 = 1e-3;
 pub(crate) struct Extent {
     /// Highest speed, rad/s or m/s.
     pub speed: f64,
-    /// Distance between its farthest positions, rad or m.
-    pub range: f64,
+    /// Its farthest positions, rad or m.
+    pub positions: [f64; 2],
     /// Largest torque, N m or N.
     pub torque: f64,
     /// First and last instant of all logs by their clocks, s.
@@ -129,16 +135,25 @@ impl Extent {
     pub(crate) fn bounds_of_law(&self, effect: &dyn Effect, index: usize) -> (f64, f64) {
         let Parameter { lower: low, upper: high, .. } = effect.parameters()[index];
         match effect.search(index) {
-            Search::PerTurn => (low.max(LEAST_PERIODS * std::f64::consts::TAU / self.range).min(high), high),
+            Search::PerTurn => (low.max(LEAST_PERIODS * std::f64::consts::TAU / self.range()).min(high), high),
+            Search::Position => {
+                let margin = INSIDE * self.range();
+                (low.max(self.positions[0] + margin), high.min(self.positions[1] - margin))
+            }
             _ => (low, high),
         }
+    }
+
+    /// Distance between its farthest positions, rad or m.
+    fn range(&self) -> f64 {
+        (self.positions[1] - self.positions[0]).max(LEAST_RANGE)
     }
 
     fn shapes(&self, effect: &dyn Effect, index: usize, alone: bool, harmonic: f64) -> Vec<f64> {
         let parameter = &effect.parameters()[index];
         let (low, high) = self.bounds(effect, index);
         if effect.search(index) == Search::PerTurn {
-            let step = (std::f64::consts::PI / (2.0 * self.range)).max(HARMONIC_STEP);
+            let step = (std::f64::consts::PI / (2.0 * self.range())).max(HARMONIC_STEP);
             let upwards = |from: f64, step: f64| (0..).map(move |k| from + f64::from(k) * step);
             let always = upwards(low, step).take_while(|order| *order <= ALWAYS_HARMONIC);
             let coarse = COARSER * step;
@@ -147,7 +162,7 @@ impl Extent {
             return always.chain(higher).collect();
         }
         let points = if alone { ALONE } else { ONE_OF_SEVERAL };
-        if varies_by_factors(low, high) {
+        if effect.search(index) != Search::Position && varies_by_factors(low, high) {
             let (low, high) = (low.max(parameter.typical / REACH), high.min(parameter.typical * REACH));
             return (0..points).map(|k| low * (high / low).powf(k as f64 / (points - 1) as f64)).collect();
         }
@@ -212,6 +227,7 @@ pub(crate) fn moved(effect: &dyn Effect, index: usize, value: f64, share: f64) -
     match effect.search(index) {
         Search::PerTurn => value + 2.0 * share,
         Search::Instant => value + 4.0 * share,
+        Search::Position => value + 0.5 * share,
         _ if low == 0.0 || varies_by_factors(low, high) => value * (4.0 * share).exp(),
         _ => value + 0.4 * share * (high - low),
     }
@@ -230,7 +246,7 @@ mod tests {
     use super::*;
 
     fn extent() -> Extent {
-        Extent { speed: 2.0, range: 3.0, torque: 50.0, time: [100.0, 120.0], duration: 20.0, runs_on: false }
+        Extent { speed: 2.0, positions: [-1.0, 2.0], torque: 50.0, time: [100.0, 120.0], duration: 20.0, runs_on: false }
     }
 
     #[test]
@@ -258,6 +274,20 @@ mod tests {
         let moved = |from: f64, to: f64| extent().moved_within_bounds(power, index, from, to);
         assert_eq!([moved(0.6, 1.9), moved(0.6, 0.5), moved(1.9, 0.6), moved(1.9, 2.0)], [0.7, 0.5, 1.3, 2.0]);
         assert_eq!(extent().moved_within_bounds(stribeck, 1, 0.1, 0.2), 0.2);
+    }
+
+    #[test]
+    fn a_law_bends_inside_the_range_of_motion() {
+        let spring = find("one_sided_spring").unwrap();
+        let bends: Vec<f64> = extent().grid(spring, 0, 0.0).iter().map(|placed| placed.parameters[2]).collect();
+        // A tenth of three radians from either end.
+        assert!(bends.len() == ALONE && bends.iter().all(|bend| (-0.7..=1.7).contains(bend)), "{bends:?}");
+        let within = [-2.0, 0.5, 3.0].map(|bend| extent().within_bounds(spring, 2, bend));
+        assert!((within[0] + 0.7).abs() < 1e-12 && within[1] == 0.5 && (within[2] - 1.7).abs() < 1e-12, "{within:?}");
+        // Far from zero it is looked for in equal steps too.
+        let far = Extent { positions: [0.1, 3.1], ..extent() };
+        let bends: Vec<f64> = far.grid(spring, 0, 0.0).iter().map(|placed| placed.parameters[2]).collect();
+        assert!(bends.windows(2).all(|pair| (pair[1] - pair[0] - 0.24).abs() < 1e-9), "{bends:?}");
     }
 
     #[test]

@@ -26,6 +26,8 @@ pub enum Search {
     Instant,
     /// An instant from which a law counts where the clocks of the logs run on from one to the next; else it counts from the start of each.
     ClockStart,
+    /// A position of the joint at which the law bends: inside its range of motion, else it is another law.
+    Position,
     /// A number of periods per turn of the joint.
     PerTurn,
     /// A time by which signals are moved or spread, at multiples of its typical size: torque is not linear in it.

@@ -46,7 +46,7 @@ fn moved_inside(placed: &Placed, index: usize, (lower, upper): (f64, f64)) -> Op
     if !(lower.is_finite() && upper.is_finite()) || upper - lower >= TAU * (1.0 - AT_BOUND) && lower == -upper {
         return None;
     }
-    let by_factors = varies_by_factors(lower, upper);
+    let by_factors = placed.effect.search(index) != Search::Position && varies_by_factors(lower, upper);
     let scale = |value: f64| if by_factors { value.ln() } else { value };
     let [low, high, at] = [lower, upper, placed.parameters[index]].map(scale);
     let range = high - low;

@@ -3,9 +3,6 @@
 use crate::diagnosis::logs::Rows;
 use crate::effects::Extent;
 
-/// Distance that a joint moves at least, rad or m: one that stands still has no ripple to look for.
-const LEAST_RANGE: f64 = 1e-6;
-
 /// Share of the highest speed from which a joint moves, and of the samples in which it moves those that hold the highest harmonic of a
 /// ripple: the slowest quarter, which every start and stop passes.
 const MOVES: f64 = 0.05;
@@ -25,7 +22,7 @@ pub(crate) fn extent(rows: &Rows, joint: usize) -> Extent {
     let longest = ends.iter().map(|[begin, end]| end - begin).fold(0.0, f64::max);
     Extent {
         speed: speeds.fold(0.0, |most, v| most.max(v.abs())),
-        range: (high - low).max(LEAST_RANGE),
+        positions: [low, high],
         torque: torque.fold(0.0f64, |most, (v, ok)| if *ok { most.max(v.abs()) } else { most }),
         time: [begin, end],
         duration: if runs_on { end - begin } else { longest },

@@ -7,6 +7,7 @@ use super::{
 use crate::diagnosis::Measured;
 use crate::effects::{Placed, Role, Scope};
 use crate::error::{Error, Result};
+use crate::identification::smoothing_choice::usual_decimation;
 use crate::robot::Robot;
 use crate::simulation::integrator::Integrator;
 use std::path::Path;
@@ -108,7 +109,7 @@ fn with_sensors(measured: &Measured, seed: u64) -> Scenario {
         identification: IdentificationSpec {
             smoothing_window: Some(window),
             smoothing_order: 6,
-            decimation: (window / 12).max(1),
+            decimation: usual_decimation(window),
             low_pass_hz: None,
             reversal_band_rad_s: 0.03,
         },

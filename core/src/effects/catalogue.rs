@@ -3,9 +3,9 @@
 use super::{
     Backlash, BaseTilt, CoulombFriction, Effect, EncoderEccentricity, EncoderOffset, ExternalContact,
     FrictionAsymmetry, FrictionWarmUp, GravityBalancer, IntegrationError, JointCoupling, JointElasticity, JointSpring,
-    LinkInertiaError, LoadDependentFriction, NonlinearViscousFriction, OneSidedSpring, Payload, PositionDependentFriction,
-    PreslidingHysteresis, RotorInertia, StribeckFriction, TimeDelay, TorqueGain, TorqueLag, TorqueOffset, TorqueRipple,
-    TorqueSaturation, ViscousFriction,
+    LinkInertiaError, LoadDependentFriction, NonlinearViscousFriction, OneSidedSpring, Payload,
+    PositionDependentFriction, PreslidingHysteresis, RotorInertia, StribeckFriction, TimeDelay, TorqueGain, TorqueLag,
+    TorqueOffset, TorqueRipple, TorqueSaturation, ViscousFriction,
 };
 use crate::error::{Error, Result};
 

@@ -246,7 +246,14 @@ mod tests {
     use super::*;
 
     fn extent() -> Extent {
-        Extent { speed: 2.0, positions: [-1.0, 2.0], torque: 50.0, time: [100.0, 120.0], duration: 20.0, runs_on: false }
+        Extent {
+            speed: 2.0,
+            positions: [-1.0, 2.0],
+            torque: 50.0,
+            time: [100.0, 120.0],
+            duration: 20.0,
+            runs_on: false,
+        }
     }
 
     #[test]

@@ -44,7 +44,9 @@ mod testing;
 pub use about::{About, Hidden, Nature, Parameter, Rival, Role, Scope, Site};
 pub use along::{Along, Contribution, contribution, contributions, direction};
 pub(crate) use bodies::seen_from_parent;
-pub use bodies::{BaseTilt, ExternalContact, GravityBalancer, JointSpring, LinkInertiaError, OneSidedSpring, Payload, RotorInertia};
+pub use bodies::{
+    BaseTilt, ExternalContact, GravityBalancer, JointSpring, LinkInertiaError, OneSidedSpring, Payload, RotorInertia,
+};
 pub use catalogue::{LIBRARY, did_you_mean, find};
 pub(crate) use catalogue::{delay, play, wrong_inertia};
 pub(crate) use encoder::behind_encoder;

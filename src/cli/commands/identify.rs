@@ -9,7 +9,7 @@ use crate::identification::effect_model::{Preparation, Trust};
 use crate::identification::fit;
 use crate::identification::prepare::Smoothing;
 use crate::identification::reversals::Band;
-use crate::identification::smoothing_choice::{usual_block, window_of_log};
+use crate::identification::smoothing_choice::{usual_block, usual_decimation, window_of_log};
 use crate::identification::{Identification, Progress, Wanted};
 use crate::output::ResultFolder;
 use crate::recording::Recording;
@@ -287,7 +287,7 @@ fn preparation(arguments: &Arguments, setup: Option<&Setup>, log: &Recording) ->
     let window = arguments.window.or(spec.and_then(|s| s.smoothing_window));
     let window = window.unwrap_or_else(|| window_of_log(log));
     let order = arguments.order.or(spec.map(|s| s.smoothing_order)).unwrap_or(6);
-    let decimation = arguments.decimation.or(spec.map(|s| s.decimation)).unwrap_or((window / 12).max(1));
+    let decimation = arguments.decimation.or(spec.map(|s| s.decimation)).unwrap_or_else(|| usual_decimation(window));
     if decimation == 0 {
         return Err(Error::request("--decimation", "must be 1 or more"));
     }

@@ -136,18 +136,24 @@ fn with_bodies(session: &Session, robot: &Robot, whitener: &Whitener) -> Result<
     }) {
         return Ok(robot.clone());
     }
-    let model = session.model.base;
-    let normal = normal(session, whitener);
+    // Under a gravity that is turned bodies weigh what no base parameter of the described arm holds.
+    let described = session.model.base;
+    let turned = (robot.gravity != described.robot().gravity).then(|| {
+        let equations: Vec<bool> = (0..robot.dof()).map(|joint| described.has_equation(joint)).collect();
+        Model::with_equations(&Robot { gravity: robot.gravity, ..described.robot().clone() }, &equations)
+    });
+    let model = turned.as_ref().unwrap_or(described);
+    let normal = normal(session, model, whitener);
     let beta = model.base().values(&Model::standard_values(robot));
     let solution = consistent::solve(model, &normal, &beta)?;
     Ok(solution.robot(robot))
 }
 
 /// Inner products of the base parameters' columns on whitened training rows.
-fn normal(session: &Session, whitener: &Whitener) -> DMatrix<f64> {
-    let arm = Arm::new(session.model.base.robot(), Trust::Structure)
-        .with_coulomb_rounding(session.model.arm.coulomb_rounding.clone());
-    let base = arm.baseline(session.model.base, &session.logs.train.rows);
+fn normal(session: &Session, model: &Model, whitener: &Whitener) -> DMatrix<f64> {
+    let arm =
+        Arm::new(model.robot(), Trust::Structure).with_coulomb_rounding(session.model.arm.coulomb_rounding.clone());
+    let base = arm.baseline(model, &session.logs.train.rows);
     let mut normal = gram(&whitener.apply_all(&base));
     // What these rows do not determine stays where it is.
     let largest = normal.diagonal().max();

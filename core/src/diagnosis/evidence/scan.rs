@@ -87,6 +87,11 @@ impl Scan {
         best
     }
 
+    /// The candidates whose statistic is at least `least`.
+    pub(crate) fn reaching(&self, least: f64) -> impl Iterator<Item = &Candidate> {
+        self.judged.iter().filter(move |judged| judged.test.statistic >= least).map(|judged| &judged.candidate)
+    }
+
     /// The likeliest candidate of some families: of those that may be names, else of all.
     pub(crate) fn likeliest_of(&self, families: &[Family]) -> Option<&Judged> {
         let is_wanted = |judged: &&Judged| families.contains(&judged.candidate.family());

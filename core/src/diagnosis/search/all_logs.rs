@@ -12,7 +12,7 @@ use super::reselection::list_alternatives;
 use super::round::Round;
 use crate::diagnosis::Options;
 use crate::diagnosis::evidence::Multiplicity;
-use crate::diagnosis::model::{Candidate, Member, Moved, Session};
+use crate::diagnosis::model::{Candidate, Session};
 use crate::diagnosis::watch::{Progress, Watch};
 use crate::error::Result;
 
@@ -56,7 +56,7 @@ pub(super) fn search(
         }
         let before = members(&known);
         let Comparison { winner, alternatives, .. } =
-            compare(&all_logs, &before, &contenders, &round.all, multiplicity, &mut in_own_noise)?;
+            compare(&all_logs, &before, &contenders, &round.scan, multiplicity, &mut in_own_noise)?;
         tracing::debug!(winner = ?winner.candidate.slot(), at = ?winner.candidate.placed.parameters, level, ?alternatives, "comparison over all logs");
         let Round { whitener, fit, .. } = &round;
         let (alpha, session) = (options.alpha, &all_logs);
@@ -81,18 +81,12 @@ pub(super) fn search(
         finding.set_alternatives(known.alternatives.clone());
     }
     for mut finding in known.into_iter().skip(found.len()) {
-        finding.member = from_training(session, finding.member)?;
+        // Its columns along the training logs.
+        let placed = finding.member.candidate.placed.clone();
+        if let Some(candidate) = session.candidate_at(placed, &finding.member)? {
+            finding.member.candidate = candidate;
+        }
         found.push(finding);
     }
     Ok(more)
-}
-
-/// A member with its columns along the training logs.
-fn from_training(session: &Session, mut member: Member) -> Result<Member> {
-    let (candidate, arm) = (&mut member.candidate, &session.model.arm);
-    let placed = std::slice::from_ref(&candidate.placed);
-    if let Some(columns) = session.logs.train.columns(arm, candidate.log, placed, Moved::Tested)?.pop() {
-        candidate.columns = columns;
-    }
-    Ok(member)
 }

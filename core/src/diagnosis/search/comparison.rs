@@ -27,8 +27,8 @@ pub(super) struct Comparison {
     pub close: Vec<Judged>,
 }
 
-/// The winner among `contenders`, what else of `all` candidates explains the same, and what comes close. What is looked for in
-/// many places must fit better, by as many tests as its kind is worth by `multiplicity`, to win over what is looked for in few.
+/// The winner among `contenders`, what else of all candidates of the `scan` explains the same, and what comes close. What is looked for
+/// in many places must fit better, by as many tests as its kind is worth by `multiplicity`, to win over what is looked for in few.
 ///
 /// # Errors
 /// If a log is too short to differentiate.
@@ -36,7 +36,7 @@ pub(super) fn compare(
     session: &Session,
     members: &[Member],
     contenders: &Contenders,
-    all: &[Candidate],
+    scan: &Scan,
     multiplicity: &Multiplicity,
     in_own_noise: &mut InOwnNoise,
 ) -> Result<Comparison> {
@@ -57,14 +57,17 @@ pub(super) fn compare(
     let new = new.map(|judged| Ok((judged.candidate.slot(), seen(judged)?)));
     let new: Vec<(Slot, Option<(f64, Candidate)>)> = new.collect::<Result<_>>()?;
     in_own_noise.extend(new);
-    let seen = shortlist.iter().filter_map(|judged| in_own_noise[&judged.candidate.slot()].as_ref());
-    let leader = seen.min_by(|(a, _), (b, _)| a.total_cmp(b)).map_or(&best[0].candidate, |(_, candidate)| candidate);
+    let seen = shortlist.iter().filter_map(|judged| Some((judged, in_own_noise[&judged.candidate.slot()].as_ref()?)));
+    let first = seen.min_by(|(_, (a, _)), (_, (b, _))| a.total_cmp(b));
+    let (leader, statistic) =
+        first.map_or((&best[0].candidate, best[0].test.statistic), |(judged, (_, own))| (own, judged.test.statistic));
 
     // From here on all are seen in the same whitening, that under the leader.
     let Fit { whitener, projection: fit } = under(session, &present, leader);
-    // What acts elsewhere is no other name for what is seen here.
+    // What acts elsewhere is no other name for what is seen here, nor is what hardly explains any of it.
     let here = leader.joints();
-    let rivals = all.iter().filter(|candidate| candidate.acts_on(&here) && eligible.may_be(candidate));
+    let rivals = scan.reaching(criteria.seen_again * statistic);
+    let rivals = rivals.filter(|candidate| candidate.acts_on(&here) && eligible.may_be(candidate));
     let again: Vec<Candidate> = rivals.cloned().chain([leader.clone()]).collect();
     let scan = Scan::new(session, &again, &whitener, &fit);
     let ranked = scan.best_per_family();

@@ -52,7 +52,7 @@ impl Again {
                 return Ok(None);
             }
             let own_noise = &mut InOwnNoise::new();
-            let comparison = compare(session, &of_others, &contenders, &all, multiplicity, own_noise)?;
+            let comparison = compare(session, &of_others, &contenders, &scan, multiplicity, own_noise)?;
             let winner = &comparison.winner.candidate;
             if restricted.comes_close(winner, 1.0) {
                 return Ok(Some(Again { others, noise, comparison }));

@@ -134,7 +134,7 @@ pub(crate) fn select(session: &mut Session, options: &Options, watch: &mut Watch
             continue;
         }
         let members = members(&found);
-        let compared = compare(session, &members, &contenders, &round.all, &multiplicity, &mut in_own_noise)?;
+        let compared = compare(session, &members, &contenders, &round.scan, &multiplicity, &mut in_own_noise)?;
         watch.tell(Progress::Found(found.len()));
         let Chosen { winner, alternatives, whitener: under } = chosen(session, &members, &compared)?;
         tracing::debug!(winner = ?winner.candidate.slot(), at = ?winner.candidate.placed.parameters, level, ?alternatives, "comparison");

@@ -7,7 +7,9 @@ use crate::error::{Error, Result};
 use crate::identification::model::Model;
 use crate::identification::preparation::prepare::{self, Prepared, Smoothing};
 use crate::identification::preparation::reversals::Band;
-use crate::identification::preparation::smoothing_choice::{USUAL_ORDER, usual_window, window_of_log};
+use crate::identification::preparation::smoothing_choice::{
+    USUAL_ORDER, usual_decimation, usual_window, window_of_log,
+};
 use crate::identification::regression::joint_regression::JointRegression;
 use crate::identification::regression::least_squares::require_rows;
 use crate::identification::regression::undetermined::undetermined;
@@ -41,9 +43,6 @@ pub struct Preparation {
     pub band: Band,
 }
 
-/// Rows in a smoothing window: the next row adds little that the filter has not mixed into this one.
-const ROWS_IN_A_WINDOW: usize = 12;
-
 impl Preparation {
     /// Savitzky-Golay over the usual window at the rate of `log`, directions certain by the noise of the velocities.
     pub fn usual(log: &Recording) -> Self {
@@ -56,7 +55,7 @@ impl Preparation {
     }
 
     fn over(window: usize) -> Self {
-        let decimation = (window / ROWS_IN_A_WINDOW).max(1);
+        let decimation = usual_decimation(window);
         let smoothing = Smoothing::SavitzkyGolay { window, order: USUAL_ORDER, decimation };
         Preparation { smoothing, band: Band::OfNoise }
     }

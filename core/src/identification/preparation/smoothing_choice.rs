@@ -54,6 +54,14 @@ pub fn usual_window(rate_hz: f64) -> usize {
     ((USUAL_WINDOW_S * rate_hz).round() as usize | 1).max(SHORTEST_USUAL)
 }
 
+/// Rows in a smoothing window: the next row adds little that the filter has not mixed into this one.
+const ROWS_IN_A_WINDOW: usize = 12;
+
+/// Every how many samples a row is taken from signals that are smoothed over `window` samples, where nothing is chosen.
+pub fn usual_decimation(window: usize) -> usize {
+    (window / ROWS_IN_A_WINDOW).max(1)
+}
+
 /// The usual window where the noise of the positions of `log` leaves accelerations for a regression, else the one that suits that noise:
 /// at 50 to 125 Hz the usual one has few samples, and smooths hardly at all.
 pub fn window_of_log(log: &Recording) -> usize {
@@ -93,7 +101,7 @@ pub fn savitzky_golay(logs: &[&Recording]) -> Result<Smoothing> {
         Some(log) if shortest < SAMPLES_TO_CHOOSE => usual_window(log.rate_hz()),
         _ => window(logs, USUAL_ORDER)?,
     };
-    Ok(Smoothing::SavitzkyGolay { window, order: USUAL_ORDER, decimation: (window / 12).max(1) })
+    Ok(Smoothing::SavitzkyGolay { window, order: USUAL_ORDER, decimation: usual_decimation(window) })
 }
 
 /// Common practice: a zero-phase Butterworth low-pass of fourth order for the positions (filtfilt), cut off at

@@ -198,13 +198,20 @@ fn altered_bodies(placed: &Placed, along: &Along) -> Contribution {
     if altered == *along.robot {
         return Contribution::none(along.robot.dof());
     }
-    let mut torque = inverse_dynamics(&Chain::new(&altered), &altered.inertial_parameters(), along.motion);
+    let known = along.robot.inertial_parameters();
+    let mut torque = if altered.gravity == along.robot.gravity {
+        // Torque is linear in the inertial parameters.
+        let more: Vec<f64> = altered.inertial_parameters().iter().zip(&known).map(|(new, old)| new - old).collect();
+        inverse_dynamics(along.chain, &more, along.motion)
+    } else {
+        let mut torque = inverse_dynamics(&Chain::new(&altered), &altered.inertial_parameters(), along.motion);
+        torque.as_mut_slice().iter_mut().zip(along.load().as_slice()).for_each(|(value, known)| *value -= known);
+        torque
+    };
     for joint in 0..along.robot.dof() {
         let rotor = altered.joints[joint].drive.armature - along.robot.joints[joint].drive.armature;
-        let (load, qdd) = (along.load().channel(joint), along.motion.qdd.channel(joint));
-        for ((value, known), a) in torque.channel_mut(joint).iter_mut().zip(load).zip(qdd) {
-            *value += rotor * a - known;
-        }
+        let qdd = along.motion.qdd.channel(joint);
+        torque.channel_mut(joint).iter_mut().zip(qdd).for_each(|(value, a)| *value += rotor * a);
     }
     torque.into()
 }

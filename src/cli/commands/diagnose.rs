@@ -72,7 +72,7 @@ pub(crate) struct Arguments {
     /// Least size of a finding, % of a joint's torque rms; a tenth of what the joint misses counts too.
     #[arg(long, value_name = "PERCENT", default_value_t = 2.0, help_heading = "Search")]
     least_share: f64,
-    /// Time for the search, as 60s or 2min; what is known by then is written, marked as unfinished. Ctrl-C does the same.
+    /// Time for the search, as 60s or 2min; what is known by then is written, marked as unfinished. Ctrl-C and a kill (SIGTERM) do the same.
     #[arg(long, value_name = "TIME", value_parser = time, help_heading = "Search")]
     budget: Option<Duration>,
     /// Skip the simulation of the extended model along the held-out motions.

@@ -1,4 +1,4 @@
-//! Ctrl-C as a request to stop in good order.
+//! Ctrl-C, or a kill (SIGTERM), as a request to stop in good order.
 
 use super::global::Global;
 use crate::error::{Error, Result};
@@ -10,7 +10,7 @@ pub(crate) fn of_host(global: &Global) -> Option<Arc<AtomicBool>> {
     global.host.as_ref().map(|host| host.flag())
 }
 
-/// A flag that ctrl-C raises; a second ctrl-C ends the program at once. Inside a program it is the program that raises it.
+/// A flag that ctrl-C or a kill raises; a second one ends the program at once. Inside a program it is the program that raises it.
 pub(crate) fn flag(global: &Global) -> Result<Arc<AtomicBool>> {
     if let Some(host) = &global.host {
         return Ok(host.flag());

@@ -14,7 +14,7 @@ use quick_cache::{DefaultHashBuilder, Weighter};
 use std::sync::Arc;
 
 /// Values of columns that are kept, 8 bytes each.
-const KEPT_VALUES: u64 = 8_000_000;
+const KEPT_VALUES: u64 = 16_000_000;
 /// Groups of columns that this is about.
 const GROUPS: usize = 500;
 
@@ -22,7 +22,8 @@ const GROUPS: usize = 500;
 #[derive(Debug)]
 pub(crate) struct EffectColumns(Cache<Key, Arc<Vec<Column>>, Values>);
 
-/// Effect, joint, log, how torque is moved, and parameters and rounding of the sign of friction bit by bit.
+/// Effect, joint, log, how torque is moved, and bit by bit the parameters, the rounding of the sign of friction, and the arm as found where
+/// the effect depends on it.
 type Key = (&'static str, usize, Option<usize>, Moved, Vec<u64>);
 
 /// A group weighs as much as it has values.
@@ -49,7 +50,7 @@ impl Clone for EffectColumns {
 }
 
 impl EffectColumns {
-    /// [`columns_in`] of effects, one group each. Those that depend on the arm as found are worked out every time.
+    /// [`columns_in`] of effects, one group each.
     ///
     /// # Errors
     /// If a log is too short to differentiate.
@@ -61,24 +62,21 @@ impl EffectColumns {
         placed: &[Placed],
         moved: Moved,
     ) -> Result<Vec<Arc<Vec<Column>>>> {
+        let found = if placed.iter().any(|one| acts_upon_arm(one.effect)) { arm.state() } else { Vec::new() };
         let key = |one: &Placed| -> Key {
             let rounding = arm.coulomb_rounding.iter().flat_map(|own| [own.form(), own.width().to_bits()]);
             let bits = one.parameters.iter().map(|value| value.to_bits()).chain(rounding);
-            (one.effect.about().name, one.joint, log, moved, bits.collect())
+            let found = if acts_upon_arm(one.effect) { &found[..] } else { &[] };
+            (one.effect.about().name, one.joint, log, moved, bits.chain(found.iter().copied()).collect())
         };
-        let keys: Vec<Option<Key>> = placed.iter().map(|one| (!acts_upon_arm(one.effect)).then(|| key(one))).collect();
-        let known: Vec<Option<Arc<Vec<Column>>>> =
-            keys.iter().map(|key| key.as_ref().and_then(|key| self.0.get(key))).collect();
+        let keys: Vec<Key> = placed.iter().map(key).collect();
+        let known: Vec<Option<Arc<Vec<Column>>>> = keys.iter().map(|key| self.0.get(key)).collect();
         let new = placed.iter().zip(&known).filter(|(_, known)| known.is_none());
         let new: Vec<Placed> = new.map(|(one, _)| one.clone()).collect();
         let mut new = columns_in(arm, rows, log, &new, moved)?.into_iter();
         let groups = known.into_iter().zip(keys).filter_map(|(known, key)| match known {
             Some(known) => Some(known),
-            None => new.next().map(Arc::new).inspect(|group| {
-                if let Some(key) = key {
-                    self.0.insert(key, group.clone());
-                }
-            }),
+            None => new.next().map(Arc::new).inspect(|group| self.0.insert(key, group.clone())),
         });
         Ok(groups.collect())
     }

@@ -1,6 +1,6 @@
 //! What the parameters of an effect are to a test: columns, shapes, levels, departures that bend, events.
 
-use crate::effects::{Effect, Nature, Parameter, Placed, Role, Search, Site};
+use crate::effects::{DriveParameter, Effect, Nature, Parameter, Placed, Role, Search, Site};
 use crate::robot::Robot;
 
 /// Indices of the parameters for which there are columns: amplitudes and departures.
@@ -41,10 +41,12 @@ fn with_role(effect: &dyn Effect, wanted: impl Fn(Role) -> bool) -> Vec<usize> {
     parameters.filter(|(_, parameter)| wanted(parameter.role)).map(|(index, _)| index).collect()
 }
 
-/// Whether the torque of an effect depends on inertias and rotors: others have the same along a motion whatever is found of these.
+/// Whether the torque of an effect depends on inertias and rotors: others have the same along a motion whatever is found of these, more
+/// inertia too.
 pub(crate) fn acts_upon_arm(effect: &dyn Effect) -> bool {
     let about = effect.about();
-    about.site != Site::Joint || about.uses_acceleration
+    let adds_inertia = effect.is_body() || effect.of_drive() == Some(DriveParameter::Rotor);
+    !adds_inertia && (about.site != Site::Joint || about.uses_acceleration)
 }
 
 /// Whether an effect shifts or spreads torque in time.

@@ -57,6 +57,14 @@ impl Arm {
         self.trust
     }
 
+    /// All that was found of the arm or described since, bit by bit: what the torque of effects upon it depends on.
+    pub(crate) fn state(&self) -> Vec<u64> {
+        let of = |robot: &Robot| {
+            Model::standard_values(robot).into_iter().chain(robot.gravity.iter().copied().collect::<Vec<_>>())
+        };
+        [&self.known, &self.found].into_iter().flat_map(of).map(f64::to_bits).collect()
+    }
+
     /// Takes over values of the baseline: base parameters where the inertias are estimated; else frictions among these, then the rotor
     /// inertia of every joint that has an equation.
     pub fn take(&mut self, model: &Model, values: &[f64]) {

@@ -429,7 +429,7 @@ fn logs_with_more_joints_than_the_robot() {
             "{to}: {said}"
         );
         let all = text(&case.tauscope(&["inspect", to]).stdout);
-        assert!(all.contains("(finger): the joint hardly moves"), "{to}: {all}");
+        assert!(all.contains("q1 (finger), q3 (other): these joints hardly move"), "{to}: {all}");
     }
     // Other programs find the names in the columns too.
     let content = case.read_bytes("log.parquet");

@@ -265,6 +265,9 @@ fn answer<'a>(
         let open = above_noise(&extended_test_rms, &noise_floor, &unexplained, &options.criteria.structure);
         unexplained.extend(open);
     }
+    let mut structure = Structure { unexplained, rejected: rejected_structure };
+    structure.leave_out_small(&left, &options.criteria);
+    let Structure { unexplained, rejected: rejected_structure } = structure;
     let residuals = Residuals { before: &baseline, after: &extended, valid: &test.valid, noise: &noise_floor };
     let gap_closed = residuals.gap_closed(&joints_of(&unexplained), options.seed);
     let baseline_test_rms = rms(&test.valid, &baseline);

@@ -43,6 +43,7 @@ fn left(session: &Session, selection: &Selection, options: &Options, ended: bool
     let data_sets: &[&DataSet] = if ended { &[] } else { &[&session.logs.train, &session.logs.test] };
     let apart = || data_sets.iter().map(|data| map_on(session, data, &members, options)).collect();
     structure.merge(mapped(&map, &session.logs.cutoffs_hz, &options.criteria, options.alpha, apart)?);
+    structure.leave_out_small(&map, &options.criteria);
     Ok((structure, map))
 }
 

@@ -17,9 +17,6 @@ use serde::Serialize;
 pub struct ComparisonCriteria {
     /// Candidates that are fitted with a noise model of their own before one is chosen.
     pub shortlist: usize,
-    /// Share of the leader's statistic that a candidate must reach, both in the noise that knows neither, to be tested again in the noise
-    /// under the leader: a third of `rival`, since statistics change with the noise.
-    pub seen_again: f64,
     /// Share of the best statistic that a rival must reach to be compared.
     pub rival: f64,
     /// Share of the winner's statistic from which a rival is close enough for held-out logs to judge.
@@ -31,6 +28,6 @@ pub struct ComparisonCriteria {
 
 impl Default for ComparisonCriteria {
     fn default() -> Self {
-        ComparisonCriteria { shortlist: 4, seen_again: 0.1, rival: 0.3, close: 0.8, clearly_better: 0.02 }
+        ComparisonCriteria { shortlist: 4, rival: 0.3, close: 0.8, clearly_better: 0.02 }
     }
 }

@@ -78,7 +78,14 @@ fn document(criteria: &Criteria) -> Value {
                 ("criterion_gap", &json!(criteria.criterion_gap())),
             ],
         ),
-        ("/estimate", &[("beyond_bound", &far), ("significant", &json!(levels.significant_std()))]),
+        (
+            "/estimate",
+            &[
+                ("beyond_bound", &far),
+                ("share_of_drive", &json!(levels.minor)),
+                ("significant", &json!(levels.significant_std())),
+            ],
+        ),
         ("/impacts", &[("each_p", &usual), ("own_p", &strict), ("open_p", &open), ("unconfirmed", &once)]),
         (
             "/structure",

@@ -19,13 +19,11 @@ pub struct EstimateCriteria {
     /// Factor within which an estimate must agree with the size at which its columns were taken: the columns of a law that is not linear in
     /// it describe no other size, and torque is cut off wholly or not at all.
     pub same_size: f64,
-    /// Share of a drive's effort limit that every joint is taken to work with: what can be of its torque is no less where it idles.
-    pub share_of_drive: f64,
 }
 
 impl Default for EstimateCriteria {
     fn default() -> Self {
-        EstimateCriteria { same_size: 2.0, share_of_drive: 0.1 }
+        EstimateCriteria { same_size: 2.0 }
     }
 }
 

@@ -29,4 +29,4 @@ pub(crate) use judging::Judged;
 pub(crate) use multiplicity::{Multiplicity, family_wise};
 pub use play::Play;
 pub use scan::Ranked;
-pub(crate) use scan::{Scan, ranking};
+pub(crate) use scan::{Scan, Sensitivity, ranking};

@@ -92,9 +92,10 @@ impl Session<'_> {
         let joint = candidate.placed.joint;
         let of_effect = rms(valid, &own)[joint];
         let all = Column::on(joint, self.logs.train.rows.torque[joint].clone());
-        // A wrist that carries next to nothing has the offset and the hoses of a drive that could carry more.
+        // A wrist that carries next to nothing has the offset and the hoses of a drive that could carry more: every joint is taken to work
+        // with a minor part of its drive.
         let limit = self.model.base.robot().joints[joint].limits.effort;
-        let of_drive = if limit.is_finite() { self.criteria.estimate.share_of_drive * limit } else { 0.0 };
+        let of_drive = if limit.is_finite() { self.criteria.levels.minor * limit } else { 0.0 };
         let can_be = share * rms(valid, &all)[joint].max(of_drive);
         most.max(if of_effect > 0.0 { of_effect / can_be } else { 0.0 })
     }

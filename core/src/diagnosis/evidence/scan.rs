@@ -5,10 +5,21 @@ use super::multiplicity::{Multiplicity, Scanned};
 use crate::diagnosis::criteria::Judgement;
 use crate::diagnosis::model::{Candidate, Family, Session, Slot, is_shift, linear};
 use crate::diagnosis::noise::Whitener;
-use crate::diagnosis::regression::Projection;
+use crate::diagnosis::regression::{Column, Projection};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::sync::OnceLock;
+
+/// From which size on a scan sees a family.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Sensitivity {
+    /// Index of its first linear parameter.
+    pub index: usize,
+    /// Standard deviation of that.
+    pub std: f64,
+    /// Its value at which the torque of the effect matters.
+    pub floor: f64,
+}
 
 /// The tests of all candidates against one fit.
 #[derive(Debug)]
@@ -112,18 +123,19 @@ impl Scan {
         all.filter(|(slot, log_p, _)| possible.get(slot).is_none_or(|best| log_p + self.log_odds < *best)).collect()
     }
 
-    /// For every family the index of its first linear parameter and the smallest standard deviation of it over the
-    /// family's grid.
-    pub(crate) fn sensitivity(&self) -> BTreeMap<Family, (usize, f64)> {
-        let mut smallest = BTreeMap::new();
-        for judged in &self.judged {
-            let (index, std) = (linear(judged.candidate.placed.effect)[0], judged.test.std[0]);
-            let place = smallest.entry(judged.candidate.family()).or_insert((index, std));
-            if std > 0.0 && std < place.1 {
-                *place = (index, std);
+    /// The sensitivity to every family, where its grid has the smallest standard deviation. `floor` gives the size from which a torque
+    /// matters, by that per unit.
+    pub(crate) fn sensitivity(&self, floor: impl Fn(&Column) -> f64) -> BTreeMap<Family, Sensitivity> {
+        let mut smallest: BTreeMap<Family, (usize, f64, &Column)> = BTreeMap::new();
+        for Judged { candidate, test, .. } in &self.judged {
+            let own = (linear(candidate.placed.effect)[0], test.std[0], &candidate.columns[0]);
+            let place = smallest.entry(candidate.family()).or_insert(own);
+            if own.1 > 0.0 && own.1 < place.1 {
+                *place = own;
             }
         }
-        smallest
+        let of = |(family, (index, std, column))| (family, Sensitivity { index, std, floor: floor(column) });
+        smallest.into_iter().map(of).collect()
     }
 }
 

@@ -1,6 +1,7 @@
 //! Structure of the residual as it is reported: what was found, what it replaces, and what was taken for none.
 
-use crate::diagnosis::criteria::Judgement;
+use crate::diagnosis::criteria::{Criteria, Gate, Judgement};
+use crate::diagnosis::variance::ResidualMap;
 
 /// Structure that no candidate carries.
 ///
@@ -85,6 +86,27 @@ impl Structure {
         }
         self.rejected.extend(of_map.rejected);
     }
+
+    /// Takes structure for none whose size is below the floor of its joint's torque, by the `map` of all logs. What replaces a finding stays.
+    pub(crate) fn leave_out_small(&mut self, map: &ResidualMap, criteria: &Criteria) {
+        let judged = |left: &Unexplained| {
+            let own = map.joints.iter().find(|own| own.joint == left.joint)?;
+            let size = left.share.sqrt() * own.residual;
+            let large = Judgement::at_least(Gate::Size, size / criteria.floor(own.torque), 1.0);
+            (!large.passed && left.instead_of.is_empty()).then_some(large)
+        };
+        let (structure, rejected) = (std::mem::take(&mut self.unexplained), &mut self.rejected);
+        self.unexplained = structure
+            .into_iter()
+            .filter(|left| match judged(left) {
+                Some(failed) => {
+                    rejected.push(RejectedStructure { joint: left.joint, structure: left.structure, failed });
+                    false
+                }
+                None => true,
+            })
+            .collect();
+    }
 }
 
 impl Extend<Structure> for Structure {
@@ -115,4 +137,45 @@ pub struct Replaced {
     pub place: usize,
     /// Share of what it explains by itself that the structure explains beyond it.
     pub beyond: f64,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnosis::variance::JointMap;
+
+    #[test]
+    fn structure_below_the_floor_of_the_torque_is_none_unless_it_replaces_a_finding() {
+        let criteria = Criteria::default();
+        let joint = |torque: f64| JointMap {
+            joint: 1,
+            torque,
+            residual: 2.0,
+            noise: 1.0,
+            correlation: 0.3,
+            sensor_noise: 0.1,
+            reported_from: 0.25,
+            misfit: false,
+            parts: Vec::new(),
+            lines: Vec::new(),
+        };
+        // A quarter of the squares of 2 N m is 1 N m: half a percent of 200 N m.
+        let left = |torque: f64, instead_of: &[Replaced]| {
+            let one = Unexplained {
+                joint: 1,
+                share: 0.25,
+                structure: "follows the position",
+                family_wise_p: None,
+                certain: false,
+                instead_of: instead_of.to_vec(),
+                passed: Vec::new(),
+            };
+            let mut structure = Structure { unexplained: vec![one], rejected: Vec::new() };
+            structure.leave_out_small(&ResidualMap { joints: vec![joint(torque)] }, &criteria);
+            (structure.unexplained.len(), structure.rejected.first().map(|one| one.failed.gate))
+        };
+        assert_eq!(left(199.9, &[]), (1, None));
+        assert_eq!(left(200.1, &[]), (0, Some(Gate::Size)));
+        assert_eq!(left(1e4, &[Replaced { place: 0, beyond: 1.0 }]), (1, None));
+    }
 }

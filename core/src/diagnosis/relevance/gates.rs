@@ -263,10 +263,11 @@ pub(super) fn predicts_every_joint(factor: f64, criteria: &Criteria) -> Judgemen
 }
 
 /// Least size of a finding that matters on a joint with so much residual, noise and torque, root mean squares: a share of the torque, or of
-/// what is missing beyond the noise, which is taken for no less than the noise.
+/// what is missing beyond the noise, which is taken for no less than the noise, and never less than the floor of that torque.
 fn least_size(residual: f64, noise: f64, torque: f64, criteria: &Criteria) -> f64 {
     let excess = (residual * residual - noise * noise).max(0.0).sqrt();
-    (criteria.share_of_torque * torque).min(criteria.levels.minor * excess.max(noise))
+    let of_excess = (criteria.levels.minor * excess.max(noise)).max(criteria.floor(torque));
+    (criteria.share_of_torque * torque).min(of_excess)
 }
 
 /// Share of an excess over the noise, in squares, that is gone from `before` to `after`, both root mean square; zero where there is none.
@@ -316,8 +317,12 @@ mod tests {
         let of = |residual: f64, noise: f64, torque: f64| least_size(residual, noise, torque, &Criteria::default());
         // 2 % of 10; a tenth of 4, the root of 5^2 - 3^2; a tenth of the noise where nothing is missing.
         assert!((of(50.0, 1.0, 10.0) - 0.2).abs() < 1e-12);
-        assert!((of(5.0, 3.0, 1e3) - 0.4).abs() < 1e-12);
-        assert!((of(3.0, 3.0, 1e3) - 0.3).abs() < 1e-12 && (of(2.0, 3.0, 1e3) - 0.3).abs() < 1e-12);
+        assert!((of(5.0, 3.0, 50.0) - 0.4).abs() < 1e-12);
+        assert!((of(3.0, 3.0, 50.0) - 0.3).abs() < 1e-12 && (of(2.0, 3.0, 50.0) - 0.3).abs() < 1e-12);
+        // However quiet the sensors, a half percent of the torque; less where less is asked for.
+        assert!((of(5.0, 3.0, 1e3) - 5.0).abs() < 1e-12 && (of(5.0, 3.0, 79.0) - 0.4).abs() < 1e-12);
+        let asked = Criteria { share_of_torque: 1e-3, ..Criteria::default() };
+        assert!((least_size(50.0, 1.0, 10.0, &asked) - 0.01).abs() < 1e-12);
     }
 
     #[test]

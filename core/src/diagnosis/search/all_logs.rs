@@ -6,12 +6,12 @@
 
 use super::acceptance::{Outcome, Refusal, Trial, is_confirmable};
 use super::comparison::{Comparison, InOwnNoise, compare};
-use super::eligible::{Contenders, Refused, Standing};
+use super::eligible::{Contenders, Refused, Sizes, Standing};
 use super::found::{Found, Rejected, explained_by_play, members};
 use super::reselection::list_alternatives;
 use super::round::Round;
 use crate::diagnosis::Options;
-use crate::diagnosis::evidence::Multiplicity;
+use crate::diagnosis::evidence::{Judged, Multiplicity};
 use crate::diagnosis::model::{Candidate, Session};
 use crate::diagnosis::watch::{Progress, Watch};
 use crate::error::Result;
@@ -38,14 +38,15 @@ pub(super) fn search(
     let mut refused: Vec<Refused> = Vec::new();
     let mut in_own_noise = InOwnNoise::default();
     let mut more = false;
+    let sizes = Sizes::new(&all_logs);
     // What happens once is in one log.
     let mut round = Round::over_all_logs(&mut all_logs, &mut known, candidates, options)?;
     while known.len() < options.max_findings && refused.len() < session.criteria.search.refusals[1] && !watch.is_over()
     {
         watch.tell(Progress::Found(known.len()));
         // What errors of the smoothing or extremes imitate is so in all of them.
-        let standing = |candidate: &Candidate, _: f64| match is_confirmable(candidate) {
-            true => Standing::MayWin,
+        let standing = |judged: &Judged, level: f64| match is_confirmable(&judged.candidate) {
+            true => sizes.standing(judged, level <= options.alpha),
             false => Standing::NotAsked,
         };
         let contenders = Contenders::new(&round.scan, &known, &refused, multiplicity, standing);

@@ -66,7 +66,7 @@ pub(super) fn compare(
     let Fit { whitener, projection: fit } = under(session, &present, leader);
     // What acts elsewhere is no other name for what is seen here, nor is what hardly explains any of it.
     let here = leader.joints();
-    let rivals = scan.reaching(criteria.seen_again * statistic);
+    let rivals = scan.reaching(levels.minor * statistic);
     let rivals = rivals.filter(|candidate| candidate.acts_on(&here) && eligible.may_be(candidate));
     let again: Vec<Candidate> = rivals.cloned().chain([leader.clone()]).collect();
     let scan = Scan::new(session, &again, &whitener, &fit);

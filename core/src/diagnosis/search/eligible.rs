@@ -1,9 +1,11 @@
 //! Which candidates may win a model comparison, and which stay as alternatives only.
 
 use super::found::{Found, Rejected};
-use crate::diagnosis::criteria::{Gate, Judgement};
+use crate::diagnosis::criteria::{Gate, Judgement, Levels};
 use crate::diagnosis::evidence::{Judged, Multiplicity, Scan};
-use crate::diagnosis::model::{Candidate, Slot, is_level};
+use crate::diagnosis::model::{Candidate, Session, Slot, is_event, is_level, is_shift};
+use crate::diagnosis::regression::{Column, combined, rms};
+use crate::effects::Effect;
 
 /// A candidate that was refused.
 #[derive(Debug, Clone)]
@@ -66,8 +68,8 @@ pub(super) enum Standing {
     MayWin,
     /// These logs cannot show it: it may be another name for what wins.
     NotAsked,
-    /// It fails a gate, at a level at which it may be another name for what wins.
-    NotSignificant(Judgement),
+    /// It fails a gate, and may be another name for what wins.
+    Failed(Judgement),
     /// It fails a gate, and is no other name either.
     Excluded,
 }
@@ -77,7 +79,7 @@ impl Standing {
     pub(super) fn by(judgement: Judgement, alpha: f64) -> Self {
         match judgement.passed {
             true => Standing::MayWin,
-            false if judgement.value <= alpha => Standing::NotSignificant(judgement),
+            false if judgement.value <= alpha => Standing::Failed(judgement),
             false => Standing::Excluded,
         }
     }
@@ -92,29 +94,29 @@ pub(super) struct Contenders<'a> {
     pub level: f64,
     /// Who may be another name.
     pub eligible: Eligible,
-    /// Those that are significant at the family-wise level and not at the share of it that their kind has.
+    /// Those that are significant at the family-wise level, and fail a gate: they are not at the share of it that their kind has, or too small.
     pub rejected: Vec<Rejected>,
 }
 
 impl<'a> Contenders<'a> {
-    /// Those of a `scan` given what was `found` and what was `refused`. `standing` is what may come of a candidate by its family-wise
-    /// level.
+    /// Those of a `scan` given what was `found` and what was `refused`. `standing` is what may come of a candidate by its test and its
+    /// family-wise level.
     pub(super) fn new(
         scan: &'a Scan,
         found: &[Found],
         refused: &[Refused],
         multiplicity: &Multiplicity,
-        standing: impl Fn(&Candidate, f64) -> Standing,
+        standing: impl Fn(&Judged, f64) -> Standing,
     ) -> Self {
         let level_of = |judged: &Judged| multiplicity.level(judged.candidate.family().effect, judged.test.log_p());
         let mut best = scan.best_per_family();
         let (mut refused, mut rejected) = (refused.to_vec(), Vec::new());
         for judged in &best {
             let candidate = &judged.candidate;
-            match standing(candidate, level_of(judged)) {
+            match standing(judged, level_of(judged)) {
                 Standing::MayWin => {}
                 Standing::NotAsked => refused.push(Refused::faint(candidate)),
-                Standing::NotSignificant(failed) => {
+                Standing::Failed(failed) => {
                     refused.push(Refused::faint(candidate));
                     rejected.push(Rejected { slot: candidate.slot(), failed });
                 }
@@ -135,16 +137,83 @@ impl<'a> Contenders<'a> {
     }
 }
 
+/// Sizes below which nothing matters on the joints of some logs, in which rows, and the levels that judge. What is smaller never becomes a
+/// finding, and each would cost a round of the search.
+#[derive(Debug)]
+pub(super) struct Sizes {
+    floors: Vec<f64>,
+    valid: Vec<Vec<bool>>,
+    levels: Levels,
+}
+
+impl Sizes {
+    /// Those of the training logs of `session`.
+    pub(super) fn new(session: &Session) -> Self {
+        let rows = &session.logs.train.rows;
+        let torque = rms(&rows.valid, &Column::new(rows.torque.iter().cloned()));
+        let floors = torque.iter().map(|torque| session.criteria.floor(*torque)).collect();
+        Sizes { floors, valid: rows.valid.clone(), levels: session.criteria.levels }
+    }
+
+    /// What may come of a candidate by its size, and by whether it `is_significant`. A fit that changes the noise or the shapes changes its
+    /// amplitudes too, by less than a factor of two. Shifts, which spoil other tests, events, which last for a few rows, and limits of torque
+    /// are looked for at any size.
+    pub(super) fn standing(&self, judged: &Judged, is_significant: bool) -> Standing {
+        let Candidate { placed, columns, .. } = &judged.candidate;
+        self.of_torque(placed.effect, &combined(columns, &judged.test.values), is_significant)
+    }
+
+    /// The factor on a torque from which it matters.
+    pub(super) fn least_factor(&self, torque: &Column) -> f64 {
+        1.0 / self.over_floor(torque)
+    }
+
+    /// The largest of the sizes of a torque on all joints over their floors.
+    fn over_floor(&self, torque: &Column) -> f64 {
+        let over = |(size, floor): (&f64, &f64)| if *size > 0.0 { size / floor } else { 0.0 };
+        rms(&self.valid, torque).iter().zip(&self.floors).map(over).fold(0.0, f64::max)
+    }
+
+    /// The same by the torque of an effect.
+    fn of_torque(&self, effect: &dyn Effect, torque: &Column, is_significant: bool) -> Standing {
+        if is_shift(effect) || is_event(effect) || is_level(effect) {
+            return Standing::MayWin;
+        }
+        match Judgement::at_least(Gate::Size, self.over_floor(torque), self.levels.most) {
+            Judgement { passed: true, .. } => Standing::MayWin,
+            failed if is_significant => Standing::Failed(failed),
+            _ => Standing::Excluded,
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_is_less_than_half_the_floor_is_not_looked_for() {
+        use crate::effects::find;
+        let sizes = Sizes { floors: vec![2.0], valid: vec![vec![true; 4]], levels: Levels::default() };
+        let standing = |name: &str, size: f64, significant: bool| {
+            sizes.of_torque(find(name).unwrap(), &Column::on(0, vec![size, -size, size, -size]), significant)
+        };
+        assert_eq!(standing("torque_offset", 1.0 + 1e-9, true), Standing::MayWin);
+        assert!(
+            matches!(standing("torque_offset", 1.0 - 1e-9, true), Standing::Failed(failed) if failed.gate == Gate::Size)
+        );
+        assert_eq!(standing("torque_offset", 1.0 - 1e-9, false), Standing::Excluded);
+        for at_any_size in ["time_delay", "external_contact", "torque_saturation"] {
+            assert_eq!(standing(at_any_size, 1e-3, true), Standing::MayWin, "{at_any_size}");
+        }
+    }
 
     #[test]
     fn what_fails_its_share_of_alpha_may_be_another_name_up_to_alpha() {
         let at_share = |level: f64| Judgement::at_most(Gate::FamilyWise, level, 5e-9);
         let standing = |level: f64| Standing::by(at_share(level), 0.05);
         assert_eq!((standing(1e-9), standing(0.051)), (Standing::MayWin, Standing::Excluded));
-        assert_eq!(standing(0.05), Standing::NotSignificant(at_share(0.05)));
+        assert_eq!(standing(0.05), Standing::Failed(at_share(0.05)));
         // What held-out logs can confirm is not judged by the training logs alone.
         assert_eq!(Standing::by(at_share(0.9).or(true), 0.05), Standing::MayWin);
     }

@@ -10,7 +10,7 @@ use super::parsimony::chosen;
 use super::round::Round;
 use crate::diagnosis::Options;
 use crate::diagnosis::criteria::Gate;
-use crate::diagnosis::evidence::{Multiplicity, Scan};
+use crate::diagnosis::evidence::{Judged, Multiplicity, Scan};
 use crate::diagnosis::model::{Candidate, Family, Fit, Member, MemberBlock, Session};
 use crate::diagnosis::regression::Column;
 use crate::diagnosis::watch::{Progress, Watch};
@@ -46,7 +46,7 @@ impl Again {
         all.retain(|candidate| restricted.comes_close(candidate, session.criteria.comparison.close));
         loop {
             let scan = Scan::new(session, &all, &noise.whitener, &noise.projection);
-            let anyone = |_: &Candidate, _| Standing::MayWin;
+            let anyone = |_: &Judged, _| Standing::MayWin;
             let contenders = Contenders::new(&scan, &others, &[], multiplicity, anyone);
             if contenders.best.is_empty() {
                 return Ok(None);

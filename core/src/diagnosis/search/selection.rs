@@ -4,7 +4,7 @@
 use super::acceptance::{Accepted, Outcome, Refusal, Trial, is_confirmable, strictness};
 use super::all_logs;
 use super::comparison::{Chosen, InOwnNoise, compare, without_rivals};
-use super::eligible::{Contenders, Refused, Standing};
+use super::eligible::{Contenders, Refused, Sizes, Standing};
 use super::events::held_by_noise;
 use super::found::{Found, Rejected, explained_by_play, in_the_end, members};
 use super::pairs::simpler_pairs;
@@ -14,7 +14,7 @@ use super::reselection::reselect;
 use super::round::{Round, settled};
 use crate::diagnosis::Options;
 use crate::diagnosis::criteria::{Gate, Judgement, Levels};
-use crate::diagnosis::evidence::{Multiplicity, Ranked, Scan, ranking};
+use crate::diagnosis::evidence::{Judged, Multiplicity, Ranked, Scan, Sensitivity, ranking};
 use crate::diagnosis::model::{Candidate, Family, Member, Session, is_event, shapes};
 use crate::diagnosis::noise::Whitener;
 use crate::diagnosis::regression::{Column, rms};
@@ -47,8 +47,8 @@ pub(crate) struct Selection {
     pub multiplicity: Multiplicity,
     /// The best of every family in the first scan, before anything was found; the best first.
     pub ranking: Vec<Ranked>,
-    /// Of every family that could be tested last on the training logs: index of its first linear parameter and its standard deviation.
-    pub sensitivity: BTreeMap<Family, (usize, f64)>,
+    /// That to every family that could be tested last on the training logs.
+    pub sensitivity: BTreeMap<Family, Sensitivity>,
 }
 
 /// Searches for effects until no more pass, or `watch` ends the search; it hears the number of effects found so far.
@@ -76,6 +76,7 @@ pub(crate) fn select(session: &mut Session, options: &Options, watch: &mut Watch
     tracing::debug!(new = ?first_whitener.innovation_std(), rows = ?first_whitener.rows(), "noise");
     let multiplicity = round.scan.multiplicity(&round.fit, &round.whitener, options.seed);
     let ranking = ranking(&round.scan);
+    let sizes = Sizes::new(session);
     // Events are looked for at first, and again once nothing else is found: every look fits each window of time anew.
     let (mut events_asked, mut postponed, mut exhausted) = (None, false, false);
     while found.len() < options.max_findings && !watch.is_over() {
@@ -104,10 +105,14 @@ pub(crate) fn select(session: &mut Session, options: &Options, watch: &mut Watch
             }
         }
         // Nothing confirms those that only the training logs can show.
-        let standing = |candidate: &Candidate, level: f64| {
+        let standing = |judged: &Judged, level: f64| {
+            let candidate = &judged.candidate;
             let limit = options.alpha * strictness(candidate, &session.criteria.search);
             let judgement = Judgement::at_most(Gate::FamilyWise, level, limit);
-            Standing::by(judgement.or(is_confirmable(candidate)), options.alpha)
+            match Standing::by(judgement.or(is_confirmable(candidate)), options.alpha) {
+                Standing::MayWin => sizes.standing(judged, level <= options.alpha),
+                other => other,
+            }
         };
         let contenders = Contenders::new(&round.scan, &found, &refused, &multiplicity, standing);
         faint.clone_from(&contenders.rejected);
@@ -183,7 +188,7 @@ pub(crate) fn select(session: &mut Session, options: &Options, watch: &mut Watch
             rejected.push(Rejected { slot, failed });
         }
     }
-    let sensitivity = scan.sensitivity();
+    let sensitivity = scan.sensitivity(|column| sizes.least_factor(column));
     drop(scan);
     let more = all_logs::search(session, &mut found, all, &multiplicity, options, &mut rejected, watch)?;
     if more || simpler || reselected || dropped {

@@ -76,9 +76,11 @@ pub(crate) fn without_sign(
     let is_turned = |joint: usize, own: &Option<&Description>| {
         own.is_some_and(|description| description.changes.contains(&Change::TorqueSign(joint)))
     };
-    let is_doubtful = |&joint: &usize| found.iter().any(|own| is_turned(joint, own)) && is_one_sided(views, joint);
+    let is_doubtful = |&joint: &usize| {
+        (known.contains(&joint) || found.iter().any(|own| is_turned(joint, own))) && is_one_sided(views, joint)
+    };
     let mut joints: Vec<usize> = (0..robot.dof()).filter(is_doubtful).collect();
-    if joints.is_empty() {
+    if joints.iter().all(|joint| known.contains(joint)) {
         return joints;
     }
     let Some(rows) = Rows::new(views, Some(robot)) else { return Vec::new() };

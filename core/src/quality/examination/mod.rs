@@ -177,7 +177,10 @@ impl Descriptions {
         };
         let found: Vec<_> = (0..views.len()).map(|place| of(place).map(|verdict| &verdict.description)).collect();
         let known: Vec<usize> = reports.iter().flat_map(|report| report.unsigned.iter().copied()).collect();
-        descriptions::without_sign(&views.iter().collect::<Vec<_>>(), robot, &found, &known)
+        let mut lost = descriptions::without_sign(&views.iter().collect::<Vec<_>>(), robot, &found, &known);
+        // Where every log shows it by itself, it is left out already.
+        lost.retain(|joint| known.iter().filter(|other| *other == joint).count() < views.len());
+        lost
     }
 }
 

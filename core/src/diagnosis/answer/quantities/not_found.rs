@@ -2,7 +2,7 @@
 
 use crate::diagnosis::Options;
 use crate::diagnosis::criteria::Gate;
-use crate::diagnosis::evidence::Multiplicity;
+use crate::diagnosis::evidence::{Multiplicity, Sensitivity};
 use crate::diagnosis::model::{Family, Session, is_candidate, is_wanted, places};
 use crate::diagnosis::relevance::Minor;
 use crate::diagnosis::search::{Alternative, Found, Rejected};
@@ -36,8 +36,8 @@ const POWER: f64 = 0.8;
 pub struct NotFound {
     /// What and where.
     pub family: Family,
-    /// The smallest value of its first parameter that would have been found with a probability of 80 %; None where the
-    /// logs do not separate it from the baseline, and where it was seen and refused.
+    /// The smallest value of its first parameter that would have been found with a probability of 80 % and be large enough to matter, at
+    /// the shape to which the logs are most sensitive; None where the logs do not separate it from the baseline, and where it was seen and refused.
     pub minimum_detectable: Option<f64>,
     /// Unit of that.
     pub unit: &'static str,
@@ -51,12 +51,12 @@ pub(in crate::diagnosis::answer) fn refused(minor: &[Minor], rejected: &[Rejecte
 }
 
 /// Everything that was looked for and is not among `found`, with the size it would have needed, unless it was `refused`. `multiplicity`
-/// holds the number of independent tests, `sensitivity` the standard deviation of every family's first parameter.
+/// holds the number of independent tests, `sensitivity` that to every family.
 pub(in crate::diagnosis::answer) fn not_found(
     session: &Session,
     (found, refused): (&[Found], &[Family]),
     multiplicity: &Multiplicity,
-    sensitivity: &BTreeMap<Family, (usize, f64)>,
+    sensitivity: &BTreeMap<Family, Sensitivity>,
     options: &Options,
 ) -> Vec<NotFound> {
     let normal = Normal::standard();
@@ -89,14 +89,15 @@ pub(in crate::diagnosis::answer) fn not_found(
         .filter(|(_, family)| !taken.contains(family))
         .map(|(effect, family)| {
             let seen = sensitivity.get(&family);
-            let index = seen.map_or(0, |(index, _)| *index);
+            let index = seen.map_or(0, |seen| seen.index);
             let Parameter { lower, upper, .. } = effect.parameters()[index];
             let unit = Placed::typical(*effect, family.joint).unit(index, session.model.base.robot());
             // What no arm can have, no log can show.
             let sizes = 0.0..=upper.max(-lower);
             let minimum_detectable = seen
                 .filter(|_| !refused.contains(&family))
-                .map(|(_, std)| (factor(family.effect) * std).max(effect.least_size(position_noise(family.joint))))
+                .map(|seen| (factor(family.effect) * seen.std).max(seen.floor))
+                .map(|size| size.max(effect.least_size(position_noise(family.joint))))
                 .filter(|size| *size > 0.0 && size.is_finite() && sizes.contains(size));
             NotFound { family, minimum_detectable, unit }
         })

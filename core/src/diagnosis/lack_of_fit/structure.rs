@@ -14,9 +14,9 @@ use std::borrow::Cow;
 use std::ops::Range;
 
 /// Whether a member may turn out to be structure of `joint`: it sits there alone, and is not shown by its impacts, which the rows do not
-/// show.
-pub(super) fn is_weighed(member: &Member, joint: usize) -> bool {
-    !member.held && member.placed.joints() == [joint]
+/// show, nor what the sampling makes, which is no finding that structure could replace.
+pub(super) fn is_weighed(session: &Session, member: &Member, joint: usize) -> bool {
+    !member.held && member.placed.joints() == [joint] && !session.sampling_makes(&member.placed)
 }
 
 /// Where structure is looked for.
@@ -182,7 +182,7 @@ impl<'a> Fitted<'a> {
         for ((member, is_named), block) in self.members.iter().zip(&self.named).zip(blocks) {
             let own = block.amplitudes;
             // What happened in one log is not in others.
-            if *is_named && is_weighed(member, joint) && member.candidate.log.is_none() {
+            if *is_named && is_weighed(self.session, member, joint) && member.candidate.log.is_none() {
                 let on = |data, columns: &[Column]| modulated(self.session, data, joint, &columns[own.clone()]);
                 changing.extend(on(train, self.columns()).into_iter().zip(on(test, &self.held_out_columns)));
             }
@@ -323,7 +323,7 @@ impl<'a> Fitted<'a> {
         let mut empty = Vec::new();
         for ((place, member), own) in self.members.iter().enumerate().zip(blocks) {
             let own = own.all();
-            if !is_weighed(member, joint) {
+            if !is_weighed(self.session, member, joint) {
                 continue;
             }
             let others: Vec<Column> =

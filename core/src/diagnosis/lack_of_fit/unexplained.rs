@@ -67,7 +67,7 @@ impl Fitted<'_> {
             joint,
             kinds: kinds.len() as f64,
             tests: train.rows.dof() as f64 * (kinds.len() + OTHER_KINDS) as f64,
-            has_names: self.members.iter().any(|member| is_weighed(member, joint)),
+            has_names: self.members.iter().any(|member| is_weighed(self.session, member, joint)),
             under: self.under(joint, self.whitener().clone()),
         };
         let (mut best, mut rejected): (Option<Unexplained>, Vec<RejectedStructure>) = Default::default();

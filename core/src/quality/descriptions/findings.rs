@@ -132,11 +132,11 @@ fn known(factor: f64, bounds: Option<[f64; 2]>) -> String {
     }
 }
 
-/// The size of a scale that all torques share, in words, where its bounds are wide.
+/// The bounds of a scale that all torques share, in words after its size.
 fn scale_between([low, high]: [f64; 2]) -> String {
     // Factors are how many times larger the torques are.
-    let (low, high, than) = if high < 1.0 { (1.0 / high, 1.0 / low, "smaller") } else { (low, high, "larger") };
-    format!("the torques are between {} and {} times {than} than the URDF's bodies need", about(low), about(high))
+    let [low, high] = if high < 1.0 { [1.0 / high, 1.0 / low] } else { [low, high] };
+    format!(" (between {} and {} with a load)", about(low), about(high))
 }
 
 /// What a scale may come from; the factors of a verdict are those of the joints, one where they share it.
@@ -279,7 +279,7 @@ pub(crate) fn findings(verdict: &Verdict, joints: &[String]) -> Vec<Finding> {
                 (Change::TorqueScale(factor), _) => {
                     let shared = verdict.factor_bounds.first().copied().flatten();
                     let own = match verdict.factors.len() {
-                        0 | 1 => shared.map_or(own, scale_between),
+                        0 | 1 => own + &shared.map_or(String::new(), scale_between),
                         _ => "the torques are not as large as the URDF's bodies need".into(),
                     };
                     format!("{own}: {}; {gain}", origin(factor, verdict, joints))
@@ -365,8 +365,8 @@ mod tests {
         assert_eq!([known(-51.2, None), known(0.02, None)], ["51", "1/50"]);
         assert_eq!(known(51.0, Some([4.21, 51.0])), "between 4.2 and 51");
         assert_eq!(known(0.02, Some([0.02, 0.5])), "between 1/50 and 0.50");
-        assert!(scale_between([0.067, 0.125]).contains("between 8.0 and 15 times smaller"));
-        assert!(scale_between([8.0, 15.0]).contains("between 8.0 and 15 times larger"));
+        assert_eq!(scale_between([0.067, 0.125]), " (between 8.0 and 15 with a load)");
+        assert_eq!(scale_between([8.0, 15.0]), " (between 8.0 and 15 with a load)");
     }
 
     #[test]

@@ -72,3 +72,22 @@ fn with_identified_bodies() {
 fn with_trusted_bodies() {
     check(Trust::Nominal);
 }
+
+/// A first axis along gravity does not feel the moments of what it carries until the base is tilted: the model with the tilt has them.
+#[test]
+fn with_moments_that_a_tilt_makes_felt() {
+    let tilt = Placed { effect: find("base_tilt").unwrap(), joint: 0, parameters: vec![0.05, -0.04] };
+    let mut setup = with(&[tilt]);
+    setup.plant.joints[0].inertia.0.iter_mut().for_each(|value| *value *= 2.0);
+    let recordings = logs(&setup, 31, 3);
+    let (test, train) = recordings.split_last().unwrap();
+    let diagnosis = Diagnosis::of(&SETUP.known).train(train).test([test]).trust(Trust::Structure);
+    let mut conclusion = diagnosis.candidates(["base_tilt"]).run().unwrap().into_conclusion().unwrap();
+    let simulated = conclusion.resimulate(EngineKind::Recursive).unwrap().extended_rms.clone();
+    let regressed = &conclusion.diagnosis.errors.extended_test_rms;
+    let pairs = simulated.iter().zip(regressed);
+    assert!(
+        pairs.clone().all(|(simulated, regressed)| (simulated / regressed - 1.0).abs() < 0.15),
+        "{simulated:?} {regressed:?}"
+    );
+}

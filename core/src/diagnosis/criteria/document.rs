@@ -13,7 +13,7 @@ impl Criteria {
 }
 
 fn document(criteria: &Criteria) -> Value {
-    let Criteria { levels, search, comparison, structure, .. } = criteria;
+    let Criteria { share_of_torque, levels, search, comparison, structure, .. } = criteria;
     let [even, leans, usual, strict] =
         [levels.even_p, levels.leaning_p, levels.usual_p, levels.strict_p].map(|p| json!(p));
     let [open, sure] = [levels.open_p, levels.sure_p].map(|p| json!(p));
@@ -28,6 +28,7 @@ fn document(criteria: &Criteria) -> Value {
             &[
                 ("strength_p", &strict),
                 ("share_of_excess", &json!(levels.minor)),
+                ("floor_of_torque", &json!(levels.minor * share_of_torque)),
                 ("worse", &json!(worse)),
                 ("worse_p", &of_bound),
                 ("contradicted_p", &usual),

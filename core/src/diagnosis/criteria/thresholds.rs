@@ -29,9 +29,6 @@ use statrs::distribution::{ChiSquared, ContinuousCDF, Normal};
 pub struct Criteria {
     /// Least size of a finding over the torque of a joint, both root mean square: below 2 % no simulation is better for it.
     pub share_of_torque: f64,
-    /// Least size of any finding over that torque, however quiet the sensors are: a half percent is less than what torque constants are
-    /// known to.
-    pub floor_of_torque: f64,
     /// Levels that several questions share.
     pub levels: Levels,
     /// Thresholds of what an estimate can be.
@@ -50,7 +47,6 @@ impl Default for Criteria {
     fn default() -> Self {
         Criteria {
             share_of_torque: 0.02,
-            floor_of_torque: 0.005,
             levels: Levels::default(),
             estimate: EstimateCriteria::default(),
             search: SearchCriteria::default(),
@@ -62,9 +58,10 @@ impl Default for Criteria {
 }
 
 impl Criteria {
-    /// Size below which nothing matters on a joint with so much `torque`, both root mean square.
+    /// Size below which nothing matters on a joint with so much `torque`, both root mean square, however quiet its sensor is: a minor part
+    /// of what matters does not. Torque constants are known five times less well than these 0.2 %.
     pub(crate) fn floor(&self, torque: f64) -> f64 {
-        self.floor_of_torque.min(self.share_of_torque) * torque
+        self.levels.minor * self.share_of_torque * torque
     }
 
     /// Factor over the baseline by which no joint's held-out residual may grow with a finding.

@@ -159,7 +159,7 @@ mod tests {
             parts: Vec::new(),
             lines: Vec::new(),
         };
-        // A quarter of the squares of 2 N m is 1 N m: half a percent of 200 N m.
+        // A quarter of the squares of 2 N m is 1 N m: 0.2 % of 500 N m.
         let left = |torque: f64, instead_of: &[Replaced]| {
             let one = Unexplained {
                 joint: 1,
@@ -174,8 +174,8 @@ mod tests {
             structure.leave_out_small(&ResidualMap { joints: vec![joint(torque)] }, &criteria);
             (structure.unexplained.len(), structure.rejected.first().map(|one| one.failed.gate))
         };
-        assert_eq!(left(199.9, &[]), (1, None));
-        assert_eq!(left(200.1, &[]), (0, Some(Gate::Size)));
+        assert_eq!(left(499.9, &[]), (1, None));
+        assert_eq!(left(500.1, &[]), (0, Some(Gate::Size)));
         assert_eq!(left(1e4, &[Replaced { place: 0, beyond: 1.0 }]), (1, None));
     }
 }

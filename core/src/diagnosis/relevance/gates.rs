@@ -319,8 +319,8 @@ mod tests {
         assert!((of(50.0, 1.0, 10.0) - 0.2).abs() < 1e-12);
         assert!((of(5.0, 3.0, 50.0) - 0.4).abs() < 1e-12);
         assert!((of(3.0, 3.0, 50.0) - 0.3).abs() < 1e-12 && (of(2.0, 3.0, 50.0) - 0.3).abs() < 1e-12);
-        // However quiet the sensors, a half percent of the torque; less where less is asked for.
-        assert!((of(5.0, 3.0, 1e3) - 5.0).abs() < 1e-12 && (of(5.0, 3.0, 79.0) - 0.4).abs() < 1e-12);
+        // However quiet the sensors, a tenth of that share of the torque; less where less is asked for.
+        assert!((of(5.0, 3.0, 1e3) - 2.0).abs() < 1e-12 && (of(5.0, 3.0, 199.0) - 0.4).abs() < 1e-12);
         let asked = Criteria { share_of_torque: 1e-3, ..Criteria::default() };
         assert!((least_size(50.0, 1.0, 10.0, &asked) - 0.01).abs() < 1e-12);
     }

@@ -137,8 +137,8 @@ impl Extent {
         match effect.search(index) {
             Search::PerTurn => (low.max(LEAST_PERIODS * std::f64::consts::TAU / self.range()).min(high), high),
             Search::Position => {
-                let margin = INSIDE * self.range();
-                (low.max(self.positions[0] + margin), high.min(self.positions[1] - margin))
+                let [first, last] = inside(self.positions);
+                (low.max(first), high.min(last))
             }
             _ => (low, high),
         }
@@ -219,6 +219,12 @@ impl Extent {
         };
         EVENTS_S.into_iter().flat_map(of_length).collect()
     }
+}
+
+/// Positions between which a law may bend where a joint moves between these.
+pub(crate) fn inside([first, last]: [f64; 2]) -> [f64; 2] {
+    let margin = INSIDE * (last - first);
+    [first + margin, last - margin]
 }
 
 /// The value of a shape moved by a `share`: of itself where it is positive and wide, else of its range.

@@ -58,7 +58,7 @@ pub use friction::{
 pub use gear::Gear;
 pub(crate) use gear_train::{GearTrain, behind_gears, unsmoothed};
 pub use gears::{Backlash, JointCoupling, JointElasticity};
-pub(crate) use grid::{Extent, as_size, moved};
+pub(crate) use grid::{Extent, as_size, inside, moved};
 pub use law::{Effect, Instant};
 pub use limit::Limit;
 pub use placed::{Placed, joint};

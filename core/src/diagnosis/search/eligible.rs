@@ -179,10 +179,11 @@ impl Sizes {
         if is_shift(effect) || is_event(effect) || is_level(effect) {
             return Standing::MayWin;
         }
-        match Judgement::at_least(Gate::Size, self.over_floor(torque), self.levels.most) {
-            Judgement { passed: true, .. } => Standing::MayWin,
-            failed if is_significant => Standing::Failed(failed),
-            _ => Standing::Excluded,
+        let large = Judgement::at_least(Gate::Size, self.over_floor(torque), self.levels.most);
+        match (large.passed, is_significant) {
+            (true, _) => Standing::MayWin,
+            (false, true) => Standing::Failed(large),
+            (false, false) => Standing::Excluded,
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use super::arm::Arm;
 use super::arm_parameters::{ArmParameter, Trust, arm_name, arm_parameters, drive_of, is_merged, leader, stands_for};
-use crate::effects::{Gear, Placed, Role, Scope, Site};
+use crate::effects::{Gear, Placed, Role, Scope, Site, inside};
 use crate::error::{Error, Result};
 use crate::identification::model::Model;
 use crate::identification::preparation::prepare::{self, Prepared, Smoothing};
@@ -140,6 +140,13 @@ impl<'a> EffectModel<'a> {
         let bodies = Arm::new(model.robot(), trust);
         let (undetermined, stop) = (None, None);
         Ok(EffectModel { model, trust, logs, preparation, placed, arm, nominal, baseline, bodies, undetermined, stop })
+    }
+
+    /// Positions between which a law may bend on a joint, rad or m, by those that the logs have; None without a log.
+    pub(in crate::identification) fn bends_between(&self, joint: usize) -> Option<[f64; 2]> {
+        let positions = || self.logs.iter().flat_map(|(log, _)| log.q.channel(joint)).copied();
+        let ends = [positions().fold(f64::INFINITY, f64::min), positions().fold(f64::NEG_INFINITY, f64::max)];
+        (ends[0] < ends[1]).then(|| inside(ends))
     }
 
     /// Lets `stop` end fits of the model.

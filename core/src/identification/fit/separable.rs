@@ -6,7 +6,7 @@ use super::between_blocks::between_blocks;
 use super::between_logs::{BetweenLogs, between_logs};
 use super::constants::{Constant, constants};
 use super::reversals;
-use crate::effects::{Parameter, Role, varies_by_factors};
+use crate::effects::{Parameter, Placed, Role, Search, varies_by_factors};
 use crate::error::Result;
 use crate::identification::effect_model::{EffectModel, Place};
 use crate::identification::levenberg_marquardt::{Bounds, LeastSquaresProblem, NormalEquations, Options, minimize};
@@ -91,6 +91,14 @@ pub struct EffectFit {
 pub(crate) fn fit(model: &mut EffectModel) -> Result<EffectFit> {
     model.goes_on()?;
     let nonlinear = model.nonlinear();
+    for &place in &nonlinear {
+        let Parameter { lower, upper, .. } = parameter(model, place);
+        let [value] = model.get(&[place])[..] else { continue };
+        // A law that bends where the joint never is has no torque.
+        if !(lower..=upper).contains(&value) {
+            model.set(&[place], &[0.5 * (lower + upper)]);
+        }
+    }
     if model.placed().is_empty() {
         // Weights are found on the way to the standard deviations, without a second pass over long logs.
         return finish(model, &nonlinear, &vec![1.0; model.joints()]);
@@ -231,13 +239,19 @@ fn grid(parameter: &Parameter, starts: usize) -> Vec<f64> {
                 true => low * (high / low).powf(at(k)),
                 false => low + (high - low) * at(k),
             })
-            .chain([parameter.typical])
+            .chain([parameter.typical.clamp(low, high)])
             .collect(),
     }
 }
 
+/// A parameter, between bounds that the logs give it where it is a position.
 fn parameter(model: &EffectModel, (effect, k): Place) -> Parameter {
-    model.placed()[effect].effect.parameters()[k].clone()
+    let Placed { effect, joint, .. } = &model.placed()[effect];
+    let own = effect.parameters()[k].clone();
+    match (effect.search(k), model.bends_between(*joint)) {
+        (Search::Position, Some([lower, upper])) => Parameter { lower, upper, ..own },
+        _ => own,
+    }
 }
 
 fn bounds(model: &EffectModel, places: &[Place]) -> Bounds {

@@ -20,9 +20,9 @@ use rayon::prelude::*;
 /// # let log = |name: &str| recording::load(format!("../tests/reference/pendulum/{name}.csv"), None);
 /// # let (train, test) = (log("train")?, log("test")?);
 ///
-/// // Where only what exceeds the torque matters no finding passes: the ripple is minor.
-/// let levels = Levels { minor: 100.0, ..Levels::default() };
-/// let criteria = Criteria { share_of_torque: 1.0, levels, ..Criteria::default() };
+/// // Where only what exceeds 15 % of the torque matters no finding passes: the ripple, of 10 %, is minor.
+/// let levels = Levels { minor: 1.0, ..Levels::default() };
+/// let criteria = Criteria { share_of_torque: 0.15, levels, ..Criteria::default() };
 /// let options = Options { criteria, candidates: vec!["torque_ripple".to_owned()], ..Options::default() };
 /// let answer = Diagnosis::of(&robot).train([&train]).test([&test]).options(options).run()?;
 /// let minor = &answer.diagnosis().expect("the logs are good").minor[0];

@@ -99,8 +99,8 @@ impl Effect for OneSidedSpring {
         &PARAMETERS
     }
 
-    fn search(&self, _: usize) -> Search {
-        Search::Position
+    fn search(&self, index: usize) -> Search {
+        if PARAMETERS[index].role == Role::Shape { Search::Position } else { Search::Bounds }
     }
 
     /// As of a joint spring: hoses and cables do not carry an arm.

@@ -237,7 +237,8 @@ fn grid(parameter: &Parameter, starts: usize) -> Vec<f64> {
         _ => (0..starts)
             .map(|k| match varies_by_factors(low, high) {
                 true => low * (high / low).powf(at(k)),
-                false => low + (high - low) * at(k),
+                // The last is the bound itself, but for rounding.
+                false => (low + (high - low) * at(k)).min(high),
             })
             .chain([parameter.typical.clamp(low, high)])
             .collect(),

@@ -11,7 +11,7 @@ use tauscope::scenario::{Setup, measure, simulate};
 use tauscope::study::blind::fault::Fault;
 use tauscope::study::blind::outside::OUTSIDE;
 use tauscope::study::blind::power::power_as_measured;
-use tauscope::study::blind::{ArmKind, BlindRun, Case, Class, MotionKind, Outcome, Plan, run};
+use tauscope::study::blind::{ArmKind, BlindRun, Case, Class, MotionKind, Outcome, run};
 
 const SEED: u64 = 41;
 
@@ -20,6 +20,12 @@ static SETUP: LazyLock<Setup> =
 
 fn effect(name: &str, joint: usize) -> Vec<Placed> {
     vec![Placed::typical(find(name).unwrap(), joint)]
+}
+
+/// What a run of the study hid. The run is written out: a number of the plan is another run once the library grows.
+fn hides(name: &str, joint: usize, parameters: &[f64]) -> Placed {
+    let effect = find(name).ok().or(OUTSIDE.into_iter().find(|law| law.about().name == name)).unwrap();
+    Placed { effect, joint, parameters: parameters.to_vec() }
 }
 
 fn blind(case: &Case) -> BlindRun {
@@ -102,15 +108,35 @@ fn a_law_outside_the_library_gets_no_firm_name() {
 #[test]
 fn what_stands_out_for_moments_or_in_time_is_told() {
     // Both were taken for noise: the one is seen at a few moments, the other swings in time.
-    for (index, hidden) in [(354, ("outside_rough_spot", 2)), (333, ("outside_drifting_gain", 1))] {
-        let run = of_study(20_000, index, hidden);
-        assert_eq!(run.judgement.outcome, Outcome::Flagged, "{hidden:?}: {:?}", run.judgement);
+    let rough = Case {
+        class: Class::Outside,
+        arm: ArmKind::Random(6),
+        hidden: vec![hides("outside_rough_spot", 2, &[20.0, 0.11397801369171762, 0.07598534246114508])],
+        ..Case::plain(3_982_568_362_247_121_193)
+    };
+    let drifting = Case {
+        class: Class::Outside,
+        trust: Trust::Structure,
+        arm: ArmKind::Random(7),
+        cut: true,
+        hidden: vec![hides("outside_drifting_gain", 1, &[-0.02, 7.287992552633867])],
+        ..Case::plain(15_719_112_665_189_065_097)
+    };
+    for case in [rough, drifting] {
+        assert_eq!(blind(&case).judgement.outcome, Outcome::Flagged, "{case:?}");
     }
 }
 
 #[test]
 fn a_heavier_link_is_no_firm_balancer() {
-    let run = of_study(20_000, 207, ("link_inertia_error", 1));
+    let run = blind(&Case {
+        class: Class::Faint,
+        motion: MotionKind::Fourier,
+        cut: true,
+        severity: 0.3,
+        hidden: vec![hides("link_inertia_error", 1, &[10.0, -2.5, 1.0, 0.5, 0.3, -0.25, -0.8, -0.125, 0.05, -0.9])],
+        ..Case::plain(1_925_216_992_788_344_751)
+    });
     assert!(run.judgement.wrong.is_empty(), "{:?}", run.judgement);
 }
 
@@ -123,16 +149,16 @@ fn faults_of_the_data_are_named_and_nothing_else() {
     }
 }
 
-/// A run of the full study.
-fn of_study(seed: u64, index: usize, hidden: (&str, usize)) -> BlindRun {
-    let case = Plan::FULL.cases(seed, SETUP.known.dof()).swap_remove(index);
-    assert_eq!((case.hidden[0].effect.about().name, case.hidden[0].joint), hidden);
-    blind(&case)
-}
-
 #[test]
 fn play_is_named_by_its_impacts() {
-    let run = of_study(5100, 145, ("backlash", 0));
+    let run = blind(&Case {
+        class: Class::Single,
+        correlation_s: 0.5,
+        arm: ArmKind::Random(7),
+        motion: MotionKind::Fourier,
+        hidden: vec![hides("backlash", 0, &[0.0005])],
+        ..Case::plain(14_094_663_571_587_312_605)
+    });
     assert_eq!((run.judgement.outcome, run.judgement.wrong.len()), (Outcome::Named, 0), "{:?}", run.judgement);
     let diagnosis = run.diagnosis.unwrap();
     let play = diagnosis.found[0].impacts.as_ref().unwrap();
@@ -144,28 +170,60 @@ fn play_is_named_by_its_impacts() {
 #[test]
 fn play_is_named_in_slow_noise() {
     // The program once ended here, over what its teeth do beyond the jumps.
-    let run = of_study(9100, 170, ("backlash", 5));
+    let run = blind(&Case {
+        class: Class::Single,
+        correlation_s: 0.13,
+        trust: Trust::Structure,
+        arm: ArmKind::Random(7),
+        motion: MotionKind::Fourier,
+        hidden: vec![hides("backlash", 5, &[0.0005])],
+        ..Case::plain(6_100_118_243_871_798_321)
+    });
     assert_eq!((run.judgement.outcome, run.judgement.wrong.len()), (Outcome::Named, 0), "{:?}", run.judgement);
 }
 
 #[test]
 fn a_soft_gear_is_no_eccentric_encoder() {
     // It swings at 4 Hz: a column of first order in the compliance had the wrong sign.
-    let run = of_study(4100, 130, ("joint_elasticity", 1));
+    let run = blind(&Case {
+        class: Class::Single,
+        correlation_s: 0.13,
+        trust: Trust::Structure,
+        arm: ArmKind::Random(7),
+        motion: MotionKind::Fourier,
+        hidden: vec![hides("joint_elasticity", 1, &[4e-6])],
+        ..Case::plain(7_207_096_315_278_684_981)
+    });
     assert_eq!((run.judgement.outcome, run.judgement.wrong.len()), (Outcome::Named, 0), "{:?}", run.judgement);
     assert!(run.judgement.errors.iter().all(|error| error.abs() < 3.0), "{:?}", run.judgement);
 }
 
 #[test]
 fn a_row_at_the_end_of_a_log_is_no_contact() {
-    let run = of_study(5100, 136, ("position_dependent_friction", 3));
+    let run = blind(&Case {
+        class: Class::Single,
+        correlation_s: 0.13,
+        trust: Trust::Structure,
+        arm: ArmKind::Random(6),
+        hidden: vec![hides("position_dependent_friction", 3, &[-20.0, -10.0])],
+        ..Case::plain(10_353_588_268_055_508_009)
+    });
     assert_eq!((run.judgement.outcome, run.judgement.wrong.len()), (Outcome::Named, 0), "{:?}", run.judgement);
 }
 
 #[test]
 fn an_offset_beside_other_friction_is_no_firm_asymmetry() {
     // Named first, when the Stribeck friction was not yet in the model and asymmetry took up some of it.
-    let run = of_study(12_000, 270, ("stribeck_friction", 1));
+    let run = blind(&Case {
+        class: Class::Pair,
+        arm: ArmKind::Random(6),
+        motion: MotionKind::Fourier,
+        hidden: vec![
+            hides("stribeck_friction", 1, &[25.0, 0.1422695460137105, 2.0]),
+            hides("torque_offset", 1, &[5.0]),
+        ],
+        ..Case::plain(8_587_839_250_541_042_861)
+    });
     assert!(run.judgement.wrong.is_empty(), "{:?}", run.judgement);
     assert!(run.judgement.outcome.is_right(), "{:?}", run.judgement);
 }
@@ -173,7 +231,13 @@ fn an_offset_beside_other_friction_is_no_firm_asymmetry() {
 #[test]
 fn what_fits_better_stays_a_name_beside_what_is_surer() {
     // Faint play was not sure enough, and an elastic gear, which explains less, got the name to itself.
-    let run = of_study(12_000, 195, ("backlash", 2));
+    let run = blind(&Case {
+        class: Class::Faint,
+        arm: ArmKind::Random(6),
+        severity: 0.3,
+        hidden: vec![hides("backlash", 2, &[0.0005])],
+        ..Case::plain(15_365_366_363_460_461_792)
+    });
     assert!(run.judgement.wrong.is_empty(), "{:?}", run.judgement);
 }
 
@@ -181,27 +245,59 @@ fn what_fits_better_stays_a_name_beside_what_is_surer() {
 fn all_logs_together_leave_one_name() {
     // The training logs alone leave five, of which two are for other joints. That chance names something else too, at 2 %, is not
     // what is asked here.
-    let run = of_study(9100, 211, ("position_dependent_friction", 2));
+    let run = blind(&Case {
+        class: Class::Faint,
+        correlation_s: 0.13,
+        trust: Trust::Structure,
+        arm: ArmKind::Random(6),
+        motion: MotionKind::Fourier,
+        severity: 0.3,
+        hidden: vec![hides("position_dependent_friction", 2, &[-20.0, -10.0])],
+        ..Case::plain(5_193_867_414_490_845_882)
+    });
     assert_eq!(run.judgement.outcome, Outcome::Named, "{:?}", run.judgement);
 }
 
 #[test]
 fn play_that_hardly_rattles_is_no_firm_elastic_gear() {
-    let run = of_study(28_000, 245, ("backlash", 1));
+    let run = blind(&Case {
+        class: Class::Faint,
+        correlation_s: 0.13,
+        trust: Trust::Structure,
+        arm: ArmKind::Random(7),
+        cut: true,
+        severity: 0.3,
+        hidden: vec![hides("backlash", 1, &[0.0005])],
+        ..Case::plain(7_941_080_769_162_599_837)
+    });
     assert!(run.judgement.wrong.is_empty(), "{:?}", run.judgement);
 }
 
 #[test]
 fn held_out_logs_that_say_nothing_confirm_nothing() {
     // A torque gain on joint 6 was named: sure on the training logs, and as likely as not by chance on the held-out ones.
-    let case = Plan::FULL.cases(28_000, SETUP.known.dof()).swap_remove(65);
-    assert!(case.hidden.is_empty());
+    let case = Case {
+        class: Class::Quiet,
+        correlation_s: 0.5,
+        trust: Trust::Structure,
+        arm: ArmKind::Random(6),
+        ..Case::plain(1_470_912_147_844_311_904)
+    };
     assert_eq!(blind(&case).judgement.outcome, Outcome::Quiet);
 }
 
 #[test]
 fn a_delay_shows_through_the_noise_of_the_encoders() {
     // The accelerations' noise, moved in time, was nearly all that its column held, and the delay seemed five times too short.
-    let run = of_study(28_000, 272, ("time_delay", 0));
+    let run = blind(&Case {
+        class: Class::Pair,
+        correlation_s: 0.5,
+        motion: MotionKind::Fourier,
+        hidden: vec![
+            hides("time_delay", 0, &[-0.004]),
+            hides("nonlinear_viscous_friction", 1, &[60.0, 0.49308610746299913, 0.01]),
+        ],
+        ..Case::plain(10_984_266_695_065_949_510)
+    });
     assert!(run.judgement.outcome.is_right() && run.judgement.wrong.is_empty(), "{:?}", run.judgement);
 }

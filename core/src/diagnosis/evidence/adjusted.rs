@@ -9,6 +9,7 @@ use crate::diagnosis::model::{Candidate, Session, is_level};
 use crate::diagnosis::noise::Whitener;
 use crate::diagnosis::regression::{Column, Projection, Test, combined, joints_of};
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
+use rayon::prelude::*;
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
 /// Cosines over each log that span slow noise: one hertz over twenty seconds.
@@ -116,19 +117,20 @@ pub(crate) fn against_slow_noise(
         return 0.0;
     }
     let with = fit.with(columns);
-    let (mut excess, mut certainty) = (0.0, 0.0);
     // What the fit takes back on other joints is small.
-    for joint in joints_of(columns) {
+    let joints: Vec<usize> = joints_of(columns).into_iter().collect();
+    let of_joint = |&joint: &usize| {
         let own = predicted.only(&[joint]);
         let cosines = whitener.apply_all(&slow_cosines(rows, joint, 1..SLOW + 1));
         let slow = 1.0 - Projection::new(&cosines, &own).left() / own.dot(&own).max(f64::MIN_POSITIVE);
         let share = slow.clamp(0.0, 1.0) * own.dot(&own) / all;
-        let Some(strength) = with.test_of_what_is_mostly_left(&cosines) else { continue };
+        let strength = with.test_of_what_is_mostly_left(&cosines)?;
         let freedom = strength.freedom as f64;
-        excess += share * (strength.statistic / freedom - 1.0).max(0.0);
-        certainty += share * share / freedom;
         tracing::debug!(joint, slow, strength = strength.statistic / freedom, freedom, "slow");
-    }
+        Some([share * (strength.statistic / freedom - 1.0).max(0.0), share * share / freedom])
+    };
+    let each: Vec<Option<[f64; 2]>> = joints.par_iter().map(of_joint).collect();
+    let [excess, certainty] = each.into_iter().flatten().fold([0.0; 2], |sum, own| [sum[0] + own[0], sum[1] + own[1]]);
     let freedom = test.freedom as f64;
     let ratio = test.statistic / freedom / (1.0 + excess);
     match FisherSnedecor::new(freedom, 1.0 / certainty.max(f64::MIN_POSITIVE)) {

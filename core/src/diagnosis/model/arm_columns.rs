@@ -169,24 +169,21 @@ impl Arm {
     ) -> Result<Vec<Column>> {
         // What laws may ask about a motion is worked out once for all batches, where there are such laws.
         let asked: Vec<Site> = law_sites(placed).collect();
-        let sites = rows.logs.iter().enumerate().map(|(k, log)| {
+        let sites = rows.logs.par_iter().enumerate().map(|(k, log)| {
             let asked = asked.iter().filter(|_| acting.contains(&k));
             asked.map(|site| (*site, self.laws_along(*site, &log.time, &log.motion))).collect()
         });
         let sites: Vec<Vec<(Site, Along)>> = sites.collect();
-        let jobs: Vec<&[Placed]> = placed.chunks(BATCH).collect();
-        let batches: Vec<Vec<Column>> = jobs
-            .into_par_iter()
-            .map(|batch| {
-                let logs = rows.logs.iter().zip(&sites).enumerate();
-                let logs = logs.map(|(k, (log, sites))| match acting.contains(&k) {
-                    true => self.added_to(batch, log, sites, moved),
-                    false => Ok(vec![Contribution::default(); batch.len()]),
-                });
-                let logs: Vec<Vec<Contribution>> = logs.collect::<Result<_>>()?;
-                Ok((0..batch.len()).map(|index| over_rows(rows, |log, joint| logs[log][index].on(joint))).collect())
-            })
-            .collect::<Result<_>>()?;
+        let batches = placed.par_chunks(BATCH).map(|batch| -> Result<Vec<Column>> {
+            let logs = rows.logs.par_iter().zip(&sites).enumerate();
+            let logs = logs.map(|(k, (log, sites))| match acting.contains(&k) {
+                true => self.added_to(batch, log, sites, moved),
+                false => Ok(vec![Contribution::default(); batch.len()]),
+            });
+            let logs: Vec<Vec<Contribution>> = logs.collect::<Result<_>>()?;
+            Ok((0..batch.len()).map(|index| over_rows(rows, |log, joint| logs[log][index].on(joint))).collect())
+        });
+        let batches: Vec<Vec<Column>> = batches.collect::<Result<_>>()?;
         Ok(batches.into_iter().flatten().collect())
     }
 

@@ -10,6 +10,7 @@ use crate::diagnosis::logs::Rows;
 use crate::diagnosis::regression::Column;
 use crate::identification::noise::AutoregressiveNoise;
 use crate::linear::OrthonormalBasis;
+use rayon::prelude::*;
 use std::sync::Arc;
 
 /// Order of the noise models.
@@ -70,7 +71,7 @@ impl JointWhitener {
         let seen_in = |mut noise: AutoregressiveNoise| {
             noise.innovation_std = noise.innovation_std.max(f64::MIN_POSITIVE);
             let filter = InnovationsFilter::new(noise, valid, starts);
-            let white: Vec<Vec<f64>> = columns.iter().map(|column| filter.apply(column)).collect();
+            let white: Vec<Vec<f64>> = columns.par_iter().map(|column| filter.apply(column)).collect();
             let basis = orthonormal(&white);
             let left = basis.residual(&filter.apply(torque));
             (filter, basis.directions, left)

@@ -8,6 +8,7 @@
 
 use crate::identification::noise::AutoregressiveNoise;
 use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
 use rustdct::DctPlanner;
 use std::f64::consts::PI;
 
@@ -45,8 +46,9 @@ pub(super) fn corrected(
     };
     let observed = energies(left);
     let mut free = vec![1.0; left.len()];
-    for direction in basis {
-        free.iter_mut().zip(energies(direction)).for_each(|(free, taken)| *free -= taken);
+    let taken: Vec<Vec<f64>> = basis.par_iter().map(|direction| energies(direction)).collect();
+    for taken in taken {
+        free.iter_mut().zip(taken).for_each(|(free, taken)| *free -= taken);
     }
     let frequency = |k: usize, of: usize| (k as f64 + 0.5) / of as f64;
     let weights: Vec<[(usize, f64); 2]> = (0..left.len()).map(|k| between(frequency(k, left.len()))).collect();

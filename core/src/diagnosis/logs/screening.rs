@@ -286,6 +286,8 @@ fn consequence(kind: Kind, severity: Severity) -> Option<Consequence> {
         return Some(Consequence::Noted);
     }
     match kind {
+        // Rows that show by themselves which source they are of are left out.
+        Kind::TwoSources if severity == Severity::Warning => Some(Consequence::LeftOut),
         Kind::Swapped
         | Kind::PositionUnit
         | Kind::TorqueUnit

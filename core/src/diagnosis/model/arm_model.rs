@@ -8,10 +8,12 @@ use super::known::Known;
 use super::member::Member;
 use super::roles::{bounded, shapes};
 use crate::diagnosis::logs::Rows;
-use crate::diagnosis::regression::{Column, combined};
+use crate::diagnosis::regression::{Column, Described, combined};
 use crate::error::Result;
 use crate::identification::effect_model::{Arm, Trust};
 use crate::identification::model::Model;
+use crate::identification::standard::STANDARD;
+use crate::robot::PARAMETERS;
 
 /// Share of a shape's value over which its derivative is taken.
 const DIFFERENCE: f64 = 0.02;
@@ -38,6 +40,24 @@ impl ArmModel<'_> {
     pub fn largest_torque(&self, rows: &Rows, joint: usize) -> f64 {
         let torque = self.arm.all_torque(rows);
         torque.part(joint).unwrap_or_default().iter().fold(0.0f64, |m, v| m.max(v.abs()))
+    }
+
+    /// What the description says of the base parameters of the bodies, where they are estimated: each as far off at the most as the largest of
+    /// its kind on its link. Nothing where bodies are described without mass.
+    pub(crate) fn described(&self) -> Vec<Described> {
+        if self.trust != Trust::Structure {
+            return Vec::new();
+        }
+        let base = self.base.base();
+        let values = base.values(&Model::standard_values(self.base.robot()));
+        let inertial = || base.kept().iter().copied().enumerate().filter(|(_, kept)| kept % STANDARD < PARAMETERS);
+        let kind = |kept: usize| (kept / STANDARD, Model::unit(kept));
+        let largest = |own: usize| {
+            let alike = inertial().filter(|(_, kept)| kind(*kept) == kind(own));
+            alike.map(|(place, _)| values[place].abs()).fold(0.0, f64::max)
+        };
+        let each = inertial().map(|(place, kept)| Described { place, value: values[place], std: largest(kept) });
+        each.filter(|one| one.std > 0.0).collect()
     }
 
     /// Places of the parameters with `members`, in the order of [`ArmModel::columns`].

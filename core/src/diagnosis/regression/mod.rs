@@ -7,12 +7,14 @@
 mod basis;
 mod column;
 mod factors;
+mod prior;
 mod score;
 mod solution;
 
 pub use column::{Column, rms};
 pub(crate) use column::{combined, joints_of, parts_on};
 pub(crate) use factors::{Factored, JointFactors, OfJoint};
+pub(crate) use prior::Described;
 pub use score::Projection;
 pub(crate) use score::Test;
 pub(crate) use score::{fisher, log_survival};

@@ -8,7 +8,7 @@ use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use rayon::prelude::*;
 
 /// Smallest eigenvalue of the scaled normal matrix, over its largest, that still counts.
-const SINGULAR: f64 = 1e-12;
+pub(super) const SINGULAR: f64 = 1e-12;
 
 /// Squared share of a direction in undetermined ones from which it is undetermined.
 const UNDETERMINED: f64 = 1e-6;
@@ -19,11 +19,13 @@ pub(crate) struct Solved {
     /// Factors of the columns.
     pub values: Vec<f64>,
     /// Lengths of the columns.
-    norms: Vec<f64>,
+    pub(super) norms: Vec<f64>,
     /// Principal directions of the factors of columns of unit length.
-    directions: DMatrix<f64>,
-    /// Variances along these; zero where the rows do not determine them.
-    variances: DVector<f64>,
+    pub(super) directions: DMatrix<f64>,
+    /// Variances along these by the rows alone; zero where these do not determine them.
+    pub(super) variances: DVector<f64>,
+    /// Variances along these of what is expected, by the description too; zero where that does not determine them either.
+    pub(super) expected: DVector<f64>,
 }
 
 /// Fits whitened torque by whitened columns; directions that the rows do not determine stay at zero.
@@ -43,14 +45,14 @@ pub(crate) fn solve_normal(mut normal: DMatrix<f64>, mut right: DVector<f64>) ->
     right.iter_mut().zip(&norms).for_each(|(value, norm)| *value /= norm);
     // Differences from before a change have no baseline.
     if norms.is_empty() {
-        return Solved { values: Vec::new(), norms, directions: normal, variances: right };
+        return Solved { values: Vec::new(), norms, directions: normal, expected: right.clone(), variances: right };
     }
     let SymmetricEigen { eigenvectors: directions, eigenvalues } = SymmetricEigen::new(normal);
     let least = SINGULAR * eigenvalues.max();
     let variances = eigenvalues.map(|value| if value > least { 1.0 / value } else { 0.0 });
     let values = &directions * directions.tr_mul(&right).component_mul(&variances);
     let values = values.iter().zip(&norms).map(|(value, norm)| value / norm).collect();
-    Solved { values, norms, directions, variances }
+    Solved { values, norms, directions, expected: variances.clone(), variances }
 }
 
 impl Solved {
@@ -70,13 +72,13 @@ impl Solved {
     }
 
     /// Root mean square, over the rows of each joint that count (`valid`, `[joint][row]`), of the standard deviation of what `columns`
-    /// predict there with these factors; infinite where that rests on directions that the fitted rows do not determine.
+    /// predict there with these factors; infinite where that rests on directions that neither the rows nor the description determine.
     pub(crate) fn prediction_std(&self, columns: &[Column], valid: &[Vec<bool>]) -> Vec<f64> {
         let of_joint = |(joint, valid): (usize, &Vec<bool>)| {
             let along = self.along(columns, joint, valid);
             let squares = (0..along.ncols()).map(|k| along.column(k).norm_squared());
             let (mut determined, mut open) = (0.0, 0.0);
-            for (square, variance) in squares.zip(&self.variances) {
+            for (square, variance) in squares.zip(&self.expected) {
                 determined += square * variance;
                 open += if *variance == 0.0 { square } else { 0.0 };
             }
@@ -88,7 +90,7 @@ impl Solved {
 
     /// Errors of the factors that matter to what the first `columns` predict: along principal directions, one standard deviation each, where
     /// they change the prediction on the rows of some joint that count by more than `limit`, root mean square. With the prior standard
-    /// deviation of their size: one, or infinite where the fitted rows do not determine the direction.
+    /// deviation of their size: one, or infinite where nothing determines the direction.
     pub(crate) fn errors_of_prediction(
         &self,
         columns: &[Column],
@@ -97,9 +99,9 @@ impl Solved {
     ) -> Vec<(Vec<f64>, f64)> {
         let shares: Vec<(DMatrix<f64>, f64)> =
             (0..valid.len()).map(|joint| (self.along(columns, joint, &valid[joint]), limit[joint])).collect();
-        let most = self.variances.max();
+        let most = self.expected.max();
         let matters = |k: usize| {
-            let (variance, spread) = match self.variances[k] {
+            let (variance, spread) = match self.expected[k] {
                 0.0 => (most, f64::INFINITY),
                 variance => (variance, 1.0),
             };
@@ -113,7 +115,7 @@ impl Solved {
                 ((0..columns.len()).map(factor).collect(), spread)
             })
         };
-        (0..self.variances.len()).filter_map(matters).collect()
+        (0..self.expected.len()).filter_map(matters).collect()
     }
 
     /// Torque of a joint along the principal directions, by the first `columns`, on the valid rows, `[row][direction]`.

@@ -18,44 +18,80 @@ const LONGEST_S: f64 = 2.0;
 const WINDOW_S: f64 = 1.0;
 const WINDOW: usize = 50;
 
+/// Share of a coarse clock's step by which its steps may miss a multiple of it: digits are cut off.
+const GRID: f64 = 0.01;
+
+/// Share of the rows that come late from which on a stamp says when a message came, in all rows: they are due by their number alone.
+const OFTEN: f64 = 0.05;
+
+/// Rounds in which the line of the earliest rows is found.
+const ROUNDS: usize = 3;
+
 /// The step of a clock, and when its first row was due.
+#[derive(Clone, Copy)]
 struct Due {
     step: f64,
     first: f64,
 }
 
-/// Puts rows that came late at even steps between those on time before and behind them; returns what was done.
+impl Due {
+    /// When a row was due.
+    fn at(&self, row: usize) -> f64 {
+        self.first + self.step * row as f64
+    }
+}
+
+/// Puts rows that came late at even steps between those on time before and behind them, all rows where many did; returns what was done.
 pub(super) fn undo(time: &mut [f64]) -> Option<String> {
     let steps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    if steps.iter().any(|step| !step.is_finite() || *step < 0.0) {
+    if steps.iter().any(|step| !step.is_finite() || *step < 0.0) || is_coarse(&steps) {
         return None;
     }
     let steady = steady(time);
     let usual = size_quantile(steps.iter().copied().filter(|step| *step > 0.0), 0.5);
     let (mut stalls, mut longest, mut row) = (0, 0.0f64, 0);
+    let mut even = time.to_vec();
     while row + 2 < time.len() {
         // From rows that are lost on, rows are due later.
-        let here = || Due { step: usual, first: time[row] - usual * row as f64 };
-        let due = steady.as_ref().map_or_else(here, |due| Due { ..*due });
+        let due = steady.unwrap_or_else(|| Due { step: usual, first: time[row] - usual * row as f64 });
         let stalled = steps[row] > STALL * due.step && steps[row + 1] < AT_ONCE * due.step;
         match stalled.then(|| on_time_again(time, row, &due)).flatten() {
             Some(next) => {
                 let (start, step) = (time[row], (time[next] - time[row]) / (next - row) as f64);
-                (row + 1..next).for_each(|late| time[late] = start + step * (late - row) as f64);
+                (row + 1..next).for_each(|late| even[late] = start + step * (late - row) as f64);
                 (stalls, longest) = (stalls + 1, longest.max(steps[row]));
                 row = next;
             }
             None => row += 1,
         }
     }
-    (stalls > 0).then(|| {
-        format!(
-            "rows are stamped as they arrive: {stalls} time{} none came for up to {:.0} ms and then all that had waited, so that none is lost; they \
-             are put at even steps; log the time of the measurement if you can",
-            if stalls == 1 { "" } else { "s" },
-            1e3 * longest
-        )
-    })
+    if stalls == 0 {
+        return None;
+    }
+    let late = |due: &Due| {
+        let stamps = time.iter().enumerate();
+        stamps.filter(|(row, stamp)| **stamp - due.at(*row) > ON_TIME * due.step).count()
+    };
+    let often = steady.filter(|due| late(due) as f64 > OFTEN * time.len() as f64);
+    let at_rate = often.map_or_else(String::new, |due| format!(" by their number, at {:.1} Hz", 1.0 / due.step));
+    match often {
+        Some(due) => time.iter_mut().enumerate().for_each(|(row, stamp)| *stamp = due.at(row)),
+        None => time.copy_from_slice(&even),
+    }
+    Some(format!(
+        "rows are stamped as they arrive: {stalls} time{} none came for up to {:.0} ms and then all that had waited, so that none is lost; they \
+         are put at even steps{at_rate}; log the time of the measurement if you can",
+        if stalls == 1 { "" } else { "s" },
+        1e3 * longest
+    ))
+}
+
+/// Whether all steps of a clock are multiples of one that is longer than rows are apart: it is coarse, and no row is late.
+fn is_coarse(steps: &[f64]) -> bool {
+    let moved: Vec<f64> = steps.iter().copied().filter(|step| *step > 0.0).collect();
+    let least = moved.iter().copied().fold(f64::INFINITY, f64::min);
+    let multiple = |step: &f64| (step / least - (step / least).round()).abs() < GRID;
+    2 * moved.len() <= steps.len() && moved.iter().all(multiple)
 }
 
 /// The clock of rows none of which is lost: then the earliest of any second are due on one line. Many stalls make the usual step another
@@ -67,21 +103,49 @@ fn steady(time: &[f64]) -> Option<Due> {
     }
     let over_half = (half..time.len()).map(|row| (time[row] - time[row - half]) / half as f64);
     let step = size_quantile(over_half, 0.5);
-    let due = |(row, stamp): (usize, &f64)| stamp - step * row as f64;
+    if step <= 0.0 {
+        return None;
+    }
     let window = WINDOW.max((WINDOW_S / step).min(half as f64) as usize);
-    let rows: Vec<f64> = time.iter().enumerate().map(due).collect();
-    let earliest: Vec<f64> =
-        rows.chunks_exact(window).map(|part| part.iter().copied().fold(f64::INFINITY, f64::min)).collect();
-    let least = earliest.iter().copied().fold(f64::INFINITY, f64::min);
-    let most = earliest.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    (step > 0.0 && most - least < ON_TIME * step).then_some(Due { step, first: least })
+    let mut due = Due { step, first: time[0] };
+    let mut late = Vec::new();
+    // The step from whole rows is off by as much as these are late.
+    for round in 0..ROUNDS {
+        let lateness = |row: &usize| time[*row] - due.at(*row);
+        let rows: Vec<usize> = (0..time.len()).collect();
+        let earliest = rows.chunks_exact(window).filter_map(|part| {
+            part.iter()
+                .copied()
+                .min_by(|a, b| lateness(a).total_cmp(&lateness(b)))
+                .map(|row| (row as f64, lateness(&row)))
+        });
+        let earliest: Vec<(f64, f64)> = earliest.collect();
+        late = earliest.iter().map(|(_, late)| *late).collect();
+        if round + 1 < ROUNDS {
+            let (offset, slope) = line(&earliest);
+            due = Due { step: due.step + slope, first: due.first + offset };
+        }
+    }
+    let least = late.iter().copied().fold(f64::INFINITY, f64::min);
+    let most = late.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    (most - least < ON_TIME * due.step).then_some(Due { first: due.first + least, ..due })
+}
+
+/// The line of least squares through points: its value at zero, and its slope, which is zero for a single point.
+fn line(points: &[(f64, f64)]) -> (f64, f64) {
+    let count = points.len().max(1) as f64;
+    let mean = |of: fn(&(f64, f64)) -> f64| points.iter().map(of).sum::<f64>() / count;
+    let (x, y) = (mean(|point| point.0), mean(|point| point.1));
+    let width: f64 = points.iter().map(|point| (point.0 - x).powi(2)).sum();
+    let slope = points.iter().map(|point| (point.0 - x) * (point.1 - y)).sum::<f64>() / width.max(f64::MIN_POSITIVE);
+    (y - slope * x, slope)
 }
 
 /// The first row behind a stall after `row` by which as many have come as are due.
 fn on_time_again(time: &[f64], row: usize, due: &Due) -> Option<usize> {
     let within = (row + 2..time.len()).take_while(|&next| time[next] - time[row] < LONGEST_S);
     // Once more have come than are due, the steps were no stall.
-    let late = |next: usize| (time[next] - due.first) / due.step - next as f64;
+    let late = |next: usize| (time[next] - due.at(next)) / due.step;
     within.take_while(|&next| late(next) > -ON_TIME).find(|&next| late(next) < ON_TIME)
 }
 
@@ -138,6 +202,31 @@ mod tests {
         for (row, time) in time.iter().enumerate() {
             assert!((time - step * row as f64).abs() < 0.6 * step, "row {row} at {time}");
         }
+    }
+
+    /// Rows that come in bursts of two to eight, the last of each on time: the stamp says nothing of the others.
+    #[test]
+    fn rows_that_always_come_in_bursts_are_due_by_their_number() {
+        let (step, mut time, mut burst) = (0.005, Vec::new(), 0);
+        while time.len() < 5000 {
+            let count = 2 + (burst * 5 + burst / 7) % 7;
+            let last = time.len() + count - 1;
+            time.extend((0..count).map(|k| step * last as f64 + 0.0006 + 2e-5 * k as f64));
+            burst += 1;
+        }
+        let said = undo(&mut time).unwrap();
+        assert!(said.contains("by their number, at 200.0 Hz"), "{said}");
+        let off: Vec<f64> = time.iter().enumerate().map(|(row, stamp)| stamp - step * row as f64).collect();
+        let (least, most) = off.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(*x), b.max(*x)));
+        assert!(most - least < 0.1 * step, "{least} {most}");
+    }
+
+    #[test]
+    fn a_coarse_clock_is_not_late() {
+        let stamps = |quantum: f64| -> Vec<f64> {
+            (0..1000).map(|row| (0.004 * row as f64 / quantum + 1e-9).floor() * quantum).collect()
+        };
+        assert_eq!((undo(&mut stamps(0.02)), undo(&mut stamps(0.016))), (None, None));
     }
 
     #[test]

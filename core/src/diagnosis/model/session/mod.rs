@@ -149,13 +149,13 @@ impl<'a> Session<'a> {
     }
 
     /// All parameters of the model with `members`, fitted at once to the training rows, in the order of
-    /// [`ArmModel::columns`].
+    /// [`ArmModel::columns`]; those of bodies that these rows do not determine are as described.
     ///
     /// # Errors
     /// If a log is too short to differentiate.
     pub(crate) fn solved(&self, members: &[Member], whitener: &Whitener) -> Result<Solved> {
         let columns = self.model.columns(&self.logs.train, members)?;
-        Ok(whitener.solve(&columns, &self.logs.train.torque))
+        Ok(whitener.solve(&columns, &self.logs.train.torque).with_described(&self.model.described()))
     }
 
     /// Solves for all parameters with the members in the model and writes the estimates back; the arm takes its own, and with it

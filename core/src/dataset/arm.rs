@@ -153,7 +153,7 @@ impl LoggedArm {
                 standing.push((joint, places));
             }
         }
-        notes.extend(still::keep_coordinates(&places_apart, &moving));
+        notes.extend(still::keep_coordinates(&places_apart));
         // Noise of its encoder would determine what it carries, and badly.
         for (joint, places) in standing {
             for (log, place) in logs.iter_mut().zip(places) {

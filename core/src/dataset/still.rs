@@ -68,26 +68,18 @@ pub(super) fn ends(places: &[f64]) -> Option<[(usize, f64); 2]> {
     Some([each().min_by(order)?, each().max_by(order)?])
 }
 
-/// What is said of joints that stand still in every log and not at one place, each with where it stands; `moving` are the joints that are
-/// not held, these among them. None where there are no such joints.
-pub(super) fn keep_coordinates(joints: &[(String, String)], moving: &[String]) -> Option<String> {
-    let is_one = |name: &&String| joints.iter().all(|(own, _)| own != *name);
-    let others: Vec<&str> = moving.iter().filter(is_one).map(String::as_str).collect();
-    let hold = |them: &str| match others.is_empty() {
-        true => String::new(),
-        false => format!("; to hold {them}, name the joints that move, --joints {}", others.join(",")),
-    };
+/// What is said of joints that stand still in every log and not at one place, each with where it stands. None where there are no such
+/// joints.
+pub(super) fn keep_coordinates(joints: &[(String, String)]) -> Option<String> {
     Some(match joints {
         [] => return None,
         [(name, places)] => format!(
-            "joint `{name}` stands still in every log, {places}: it keeps its coordinate, so that it stands right in each{}",
-            hold("it")
+            "joint `{name}` stands still in every log, {places}: it keeps its coordinate, so that it stands right in each"
         ),
         [(first, places), ..] => format!(
             "joints {} stand still in every log and not at one place, as {first} {places}: each keeps its coordinate, so that it stands right \
-             in each log{}",
-            names(joints),
-            hold("them")
+             in each log",
+            names(joints)
         ),
     })
 }
@@ -120,15 +112,16 @@ mod tests {
         let of = |joints: &[&str]| -> Vec<(String, String)> {
             joints.iter().map(|name| (name.to_string(), "at 0 rad in a and at 1 rad in b".to_owned())).collect()
         };
-        let all = ["j1", "j2", "j3", "j4", "j5", "j6", "j7"].map(str::to_owned);
-        assert_eq!(keep_coordinates(&[], &all), None);
-        let one = keep_coordinates(&of(&["j2"]), &all[..3]).unwrap();
-        assert!(one.starts_with("joint `j2` stands still in every log, at 0 rad") && one.ends_with(" --joints j1,j3"));
-        let many = keep_coordinates(&of(&["j1", "j2", "j3", "j4", "j5"]), &all).unwrap();
-        assert!(many.starts_with("joints j1, j2, j3 and 2 more stand still") && many.ends_with(" --joints j6,j7"));
-        // Nothing moves: there is nothing to name.
-        let none = keep_coordinates(&of(&["j1", "j2"]), &all[..2]).unwrap();
-        assert!(none.ends_with("stands right in each log"), "{none}");
+        assert_eq!(keep_coordinates(&[]), None);
+        let one = keep_coordinates(&of(&["j2"])).unwrap();
+        assert!(one.starts_with("joint `j2` stands still in every log, at 0 rad"), "{one}");
+        // To hold such a joint at one position would be wrong in some log: nothing advises it.
+        assert!(one.ends_with("stands right in each"), "{one}");
+        let many = keep_coordinates(&of(&["j1", "j2", "j3", "j4", "j5"])).unwrap();
+        assert!(
+            many.starts_with("joints j1, j2, j3 and 2 more stand still") && many.ends_with("right in each log"),
+            "{many}"
+        );
         let held = held_between(&of(&["j1", "j2", "j3", "j4", "j5"]), "do this").unwrap();
         assert!(held.contains("j3 and 2 more are not under study") && held.ends_with("do this"), "{held}");
     }

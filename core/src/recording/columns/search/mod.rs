@@ -1,9 +1,10 @@
 //! The search for the columns of a recording by their names.
 
 use super::bare;
-use super::families::{Place, any_position, base, behind_prefix, best_family, candidates, numbers_in_names, own_names};
+use super::families::{Place, any_position, base, best_family, candidates, numbers_in_names, own_names};
 use super::layout::{ABSENT, Layout};
 use super::names::{self, QUANTITIES, TRUE};
+use super::prefixes::{behind_prefix, several};
 use super::resolve::{Clock, Found, Resolver, listed};
 use super::spare_currents;
 use super::unknown_units;
@@ -145,6 +146,13 @@ impl Layout {
         };
         used.extend([time.time].into_iter().chain(time.nanoseconds).filter(|column| *column != ABSENT));
         let [measured, truth] = &found;
+        let unclear = |quantity: usize| -> Result<()> {
+            let missing = joints.is_some() && measured[quantity].is_empty();
+            let problem = missing.then(|| several(&meanings, &names, quantity)).flatten();
+            let column = format!("{}1", QUANTITIES[quantity].prefixes[0]);
+            problem.map_or(Ok(()), |problem| Err(Error::input(path, line, column, problem)))
+        };
+        unclear(names::POSITION)?;
         let q = resolver.all(QUANTITIES[names::POSITION], &measured[0], None)?;
         let count = q.len();
         let mut notes = Vec::new();
@@ -161,6 +169,9 @@ impl Layout {
             Ok(Some(columns))
         };
         let (qd, qdd) = (optional(names::VELOCITY)?, optional(names::ACCELERATION)?);
+        if !demand.positions_alone {
+            unclear(names::TORQUE)?;
+        }
         let tau = match demand.positions_alone && measured[names::TORQUE].is_empty() {
             true => vec![ABSENT; count],
             false => resolver.all(QUANTITIES[names::TORQUE], &measured[names::TORQUE], Some(count))?,

@@ -1,12 +1,14 @@
 //! The result of `tauscope identify`.
 
 mod estimates;
+mod held_out;
 mod notes;
 
 pub use estimates::estimates;
+pub use held_out::{of_another_arm, undetermined_held_out};
 pub use notes::{
     between_logs, constants, falling_friction, longer_window, negative_coulomb, negative_rotor, not_of_bodies,
-    undetermined, undetermined_held_out, unlike_described,
+    undetermined, unlike_described,
 };
 
 use super::console::{by_joint, column_with_unit, significant, table};

@@ -63,16 +63,19 @@ impl Layout {
         let mut understood: Vec<String> = on_bare.into_iter().collect();
         let mut numbers = BTreeMap::new();
         if joints.is_some() && !any_position(&meanings, &names) {
-            numbers = numbers_in_names(&meanings, names.len());
-            if let (Some((first, _)), Some(name)) = (numbers.first_key_value(), names.first()) {
-                // A name that is cut behind its number has its bracket open.
-                let close = if first.contains('[') && !first.contains(']') { "]" } else { "" };
-                let text =
-                    format!("joints are taken by the numbers in their names, {first}{close} for {name} and so on");
-                understood.push(text);
-            } else if let Some((found, prefix)) = behind_prefix(&meanings, &names, names::POSITION) {
+            if let Some((found, prefix)) = behind_prefix(&meanings, &names, names::POSITION) {
                 understood.push(format!("the names of the joints differ by the prefix {prefix}"));
                 numbers = found;
+            } else {
+                // Whole names are surer than numbers in them, of which robots have theirs in any order.
+                numbers = numbers_in_names(&meanings, names.len());
+                if let (Some((first, _)), Some(name)) = (numbers.first_key_value(), names.first()) {
+                    // A name that is cut behind its number has its bracket open.
+                    let close = if first.contains('[') && !first.contains(']') { "]" } else { "" };
+                    let text =
+                        format!("joints are taken by the numbers in their names, {first}{close} for {name} and so on");
+                    understood.push(text);
+                }
             }
         }
         let mut used = BTreeSet::new();

@@ -76,6 +76,9 @@ fn fields_of_a_topic_of_any_name() {
         let layout = find(&format!("__time{}", columns(topic)), Some(&["a", "b"])).unwrap();
         assert_eq!((layout.q, layout.qd, layout.tau), (vec![2, 1], Some(vec![4, 3]), vec![6, 5]), "{topic}");
     }
+    // Names behind a prefix are surer than the numbers in them.
+    let header = "__time,/a/position/j_1,/a/position/j_2,/a/effort/j_1,/a/effort/j_2";
+    assert_eq!(find(header, Some(&["j_2", "j_1"])).unwrap().q, [2, 1]);
     // A point in space besides has no joints.
     let header = format!("__time{},/odom/pose/position/x,/odom/pose/position/y", columns("my_arm/state"));
     assert_eq!(

@@ -118,4 +118,7 @@ fn effects_are_estimated_as_diagnose_estimates_them() {
         assert_eq!(refused.status.code(), Some(2));
         assert!(text(&refused.stderr).contains(words), "{}", text(&refused.stderr));
     }
+    let again = case.tauscope(&["identify", "--robot", &robot, "--train", &train, "--test", &train, "--out", "again"]);
+    assert_eq!(again.status.code(), Some(2));
+    assert!(text(&again.stderr).contains("train.csv: has the samples of "), "{}", text(&again.stderr));
 }

@@ -6,7 +6,7 @@ use crate::quality;
 use crate::quality::UnitChanges;
 use crate::quality::descriptions::Description;
 use crate::recording::lenient::Sieved;
-use crate::recording::{Recording, resample};
+use crate::recording::{Once, Recording, resample};
 use crate::robot::Robot;
 use std::path::{Path, PathBuf};
 
@@ -59,7 +59,7 @@ pub fn plain(path: &Path, robot: &Robot, notes: &mut Vec<String>) -> Result<Vec<
 /// doubt, and cuts them into pieces at even steps.
 ///
 /// # Errors
-/// A log that cannot be used, with the reason.
+/// A log that cannot be used, with the reason, and one that is given twice.
 pub fn ready([train, test]: [Vec<(PathBuf, Sieved)>; 2], robot: &Robot) -> Result<Logs> {
     let mut logs = Logs::default();
     let trained = train.len();
@@ -73,6 +73,7 @@ pub fn ready([train, test]: [Vec<(PathBuf, Sieved)>; 2], robot: &Robot) -> Resul
     logs.correction = verdict.filter(|verdict| verdict.beyond_doubt && !is_another).map(|verdict| verdict.description);
     let mut findings = Vec::new();
     let unsigned = unsigned(&reports, robot.dof());
+    let mut once = Once::default();
     for (place, ((path, mut sieved), report)) in all.into_iter().zip(reports).enumerate() {
         if let Some(finding) = report.fatal() {
             let problem = format!("the log cannot be used: {}", finding.text);
@@ -97,6 +98,7 @@ pub fn ready([train, test]: [Vec<(PathBuf, Sieved)>; 2], robot: &Robot) -> Resul
         if pieces.is_empty() {
             return Err(Error::input(path, None, "t", "the clock is so full of gaps that no piece of the log is left"));
         }
+        once.take(path.display().to_string(), &pieces)?;
         if let Some(description) = &logs.correction {
             pieces.iter_mut().for_each(|piece| description.apply(piece));
         }

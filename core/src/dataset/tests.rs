@@ -138,6 +138,25 @@ fn a_part_of_a_file() {
 }
 
 #[test]
+fn a_log_is_ready_once() {
+    let rows: String = (0..2000)
+        .map(|i| {
+            let t = 0.005 * f64::from(i);
+            format!("{t},{},{},{},{}\n", (3.0 * t).sin(), (4.0 * t).cos(), (2.0 * t).sin(), (5.0 * t).cos())
+        })
+        .collect();
+    let log = format!("t,q1,q2,tau1,tau2\n{rows}");
+    let case = Case::new("[[train]]\nfile = \"log.csv\"\n[[test]]\nfile = \"copy.csv\"\n", &log);
+    std::fs::write(case.folder.path().join("copy.csv"), log).unwrap();
+    let refused = super::ready(case.dataset().unwrap().sieved(&case.robot()).unwrap(), &case.robot()).unwrap_err();
+    let refused = refused.to_string();
+    assert!(
+        refused.contains("copy.csv: has the samples of ") && refused.contains("log.csv; give every log once"),
+        "{refused}"
+    );
+}
+
+#[test]
 fn stamps_in_nanoseconds() {
     let rows: String = (0..60u64).map(|i| format!("{},1,2,3,4\n", 1_700_000_000_000_000_000 + 5_000_000 * i)).collect();
     let train = "[[train]]\nfile = \"log.csv\"\n[units]\ntime = \"ns\"\n";

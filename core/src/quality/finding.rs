@@ -135,18 +135,26 @@ impl Finding {
 
 /// The findings of a log, with one on all joints that hardly move in place of one for each.
 pub fn standing_together(findings: &[Finding]) -> Vec<Finding> {
-    let of_standing: Vec<&Finding> = findings.iter().filter(|finding| finding.kind == Kind::HardlyMoves).collect();
     let mut out = findings.to_vec();
-    if let [first, _, ..] = of_standing[..] {
-        let places: Vec<String> = of_standing.iter().map(|finding| finding.place.clone()).collect();
-        let text = "these joints hardly move: their friction and inertia cannot be found from this log";
+    for what in [NOT_FOUND, UNCERTAIN] {
+        let is_own = |finding: &Finding| finding.kind == Kind::HardlyMoves && finding.text.ends_with(what);
+        let own: Vec<&Finding> = findings.iter().filter(|finding| is_own(finding)).collect();
+        let [first, _, ..] = own[..] else { continue };
+        let places: Vec<String> = own.iter().map(|finding| finding.place.clone()).collect();
+        let text = format!("these joints hardly move: their friction and inertia {what}");
         let all = Finding::new(Kind::HardlyMoves, first.severity, shortened(&places), text);
-        let place = findings.iter().position(|finding| finding.kind == Kind::HardlyMoves).unwrap_or(0);
-        out.retain(|finding| finding.kind != Kind::HardlyMoves);
+        let place = out.iter().position(is_own).unwrap_or(0);
+        out.retain(|finding| !is_own(finding));
         out.insert(place, all);
     }
     out
 }
+
+/// What becomes of the friction and inertia of a joint that hardly moves: it stands ..
+pub(super) const NOT_FOUND: &str = "cannot be found from this log";
+
+/// .. or it moves above its noise, so that an identification has numbers for them.
+pub(super) const UNCERTAIN: &str = "are uncertain";
 
 /// What was found in logs, each item once, with the logs that have it.
 pub fn with_logs<L: PartialEq, T: PartialEq>(found: impl IntoIterator<Item = (L, T)>) -> Vec<(Vec<L>, T)> {
@@ -167,15 +175,22 @@ mod tests {
 
     #[test]
     fn joints_that_hardly_move_are_named_together() {
-        let of = |kind: Kind, place: &str| Finding::new(kind, Severity::Warning, place, "text");
+        let of = |kind: Kind, place: &str| Finding::new(kind, Severity::Warning, place, NOT_FOUND);
         let still: Vec<Finding> = ["a", "b", "c", "d", "e"].map(|place| of(Kind::HardlyMoves, place)).to_vec();
         let others = [of(Kind::Gap, "t"), of(Kind::Spike, "x")];
         let all = [&others[..1], &still, &others[1..]].concat();
         let told = standing_together(&all);
         assert_eq!((told.len(), &*told[1].place), (3, "a, b, c and 2 more"));
         assert_eq!([&told[0], &told[2]], [&others[0], &others[1]]);
-        // One keeps its range and speed.
+        // One keeps its range and speed, also besides others of which something else becomes.
         assert_eq!(standing_together(&all[..2]), all[..2]);
+        let creeps = Finding::new(Kind::HardlyMoves, Severity::Warning, "f", UNCERTAIN);
+        let told = standing_together(&[&all[..], &[creeps.clone(), creeps.clone()]].concat());
+        assert_eq!(
+            (told.len(), &*told[3].text),
+            (4, "these joints hardly move: their friction and inertia are uncertain")
+        );
+        assert_eq!(standing_together(&[all[1].clone(), creeps.clone()]), [all[1].clone(), creeps]);
     }
 
     #[test]

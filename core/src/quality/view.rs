@@ -27,6 +27,8 @@ pub(super) struct View<'a> {
     pub late: isize,
     /// Speed above which each joint surely moves, rad/s or m/s; none reaches it where the joint hardly moves at all.
     pub band: Vec<f64>,
+    /// Samples at which each joint surely moves by its own speed and noise, also where it hardly moves at all.
+    pub moving: Vec<usize>,
 }
 
 impl<'a> View<'a> {
@@ -50,15 +52,16 @@ impl<'a> View<'a> {
             let impulse = Channels::from_vectors(&[impulse.to_vec()]);
             Ok([smooth(&impulse, 0)?, smooth(&impulse, 1)?].map(|passed| passed.channel(0).to_vec()))
         })?;
-        let band = (0..log.joints()).map(|joint| {
+        let each = (0..log.joints()).map(|joint| {
             let (own, velocity) = (log.q.channel(joint), qd.channel(joint));
-            match moves(own, velocity, robot.map(|robot| robot.joints[joint].kind)) {
-                true => Slow::new(velocity, gains.velocity_noise(own, q.channel(joint))).sure,
-                false => f64::INFINITY,
-            }
+            let sure = Slow::new(velocity, gains.velocity_noise(own, q.channel(joint))).sure;
+            let moves = moves(own, velocity, robot.map(|robot| robot.joints[joint].kind));
+            let moving = velocity.iter().filter(|velocity| velocity.abs() > sure).count();
+            (if moves { sure } else { f64::INFINITY }, moving)
         });
+        let (band, moving) = each.unzip();
         let [qdd, tau] = [smooth(&log.q, 2)?, smooth(&log.tau, 0)?];
-        Ok(View { log, period, late: 0, band: band.collect(), q, qd, qdd, tau })
+        Ok(View { log, period, late: 0, band, moving, q, qd, qdd, tau })
     }
 
     /// Number of joints.

@@ -12,6 +12,7 @@ mod files;
 mod formats;
 pub mod lenient;
 pub mod memory;
+mod once;
 #[cfg(test)]
 mod samples;
 mod sampling;
@@ -23,5 +24,6 @@ pub use files::{load, save, writable};
 pub use formats::csv;
 #[cfg(feature = "parquet")]
 pub use formats::parquet;
+pub(crate) use once::Once;
 pub use sampling::resample;
 pub use signals::{Log, Recording, Signals};

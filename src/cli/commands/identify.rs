@@ -149,6 +149,7 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     }
     notes.extend(consistent.and_then(|bodies| report::not_of_bodies(&robot, plain, bodies)));
     notes.extend(consistent.and_then(|bodies| report::undetermined_held_out(&robot, plain, bodies)));
+    notes.extend(report::of_another_arm(&robot, plain, consistent));
     write_robot(&folder, identified)?;
     let found = report::Found { plain, extended, consistent, torque_is_scaled };
     let result = report::result(&robot, arguments.trust, found, &notes).with_estimates(as_diagnosed.clone());

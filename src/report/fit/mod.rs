@@ -1,12 +1,14 @@
 //! The result of `tauscope identify`.
 
 mod estimates;
+mod held_out;
 mod notes;
 
 pub use estimates::estimates;
+pub use held_out::{of_another_arm, undetermined_held_out};
 pub use notes::{
     between_logs, constants, falling_friction, longer_window, negative_coulomb, negative_rotor, not_of_bodies,
-    undetermined, undetermined_held_out, unlike_described,
+    undetermined, unlike_described,
 };
 
 use super::console::{by_joint, column_with_unit, significant, table};
@@ -243,11 +245,19 @@ fn one_fit(robot: &Robot, fitted: &Fitted) -> OneFit {
     }
 }
 
-/// Sum of the squares that a fit leaves, each over the variance of its joint.
-fn weighted_squares(fitted: &Fitted) -> f64 {
-    let estimate = &fitted.fit.estimate;
-    let joints = estimate.rows.iter().zip(&fitted.train_rms).zip(&estimate.sigma);
-    joints.filter(|(_, sigma)| **sigma > 0.0).map(|((&rows, left), sigma)| rows as f64 * (left / sigma).powi(2)).sum()
+/// Sum of the squares that a fit leaves on joints of so many rows, with their residuals and the standard deviations of their noise: each
+/// over its variance. A joint without an equation has no rows, and no residual.
+fn weighted_squares(joints: impl Iterator<Item = (usize, f64, f64)>) -> f64 {
+    joints
+        .filter(|(rows, _, sigma)| *rows > 0 && *sigma > 0.0)
+        .map(|(rows, left, sigma)| rows as f64 * (left / sigma).powi(2))
+        .sum()
+}
+
+/// What is added to a sum, with its share of the sum before; nothing is no measure of it.
+fn added(amount: f64, before: f64) -> String {
+    let share = (before > 0.0).then(|| format!(" ({} %)", significant(100.0 * amount / before)));
+    significant(amount) + &share.unwrap_or_default()
 }
 
 /// Place of a joint's parameter among those of a fit, by its symbol: a sum is called by its first part.
@@ -330,12 +340,16 @@ pub fn tables(robot: &Robot, found: Found) -> String {
     if let Some(found) = consistent {
         let cost = match found.exact {
             true => "bodies that can exist have the fitted base parameters: consistency costs nothing".to_owned(),
-            false => format!(
-                "no bodies that can exist have the fitted base parameters; the nearest raise the weighted sum of squared \
-                 residuals by {} ({} %)",
-                significant(found.cost),
-                significant(100.0 * found.cost / weighted_squares(plain).max(f64::MIN_POSITIVE))
-            ),
+            false => {
+                let estimate = &plain.fit.estimate;
+                let joints = estimate.rows.iter().zip(&plain.train_rms).zip(&estimate.sigma);
+                let before = weighted_squares(joints.map(|((rows, left), sigma)| (*rows, *left, *sigma)));
+                format!(
+                    "no bodies that can exist have the fitted base parameters; the nearest raise the weighted sum of squared \
+                     residuals by {}",
+                    added(found.cost, before)
+                )
+            }
         };
         text += &format!("\n\nidentified.urdf: {cost}");
     }
@@ -362,4 +376,16 @@ pub fn tables(robot: &Robot, found: Found) -> String {
         text += &format!("\n\n{}", table(&["effect", "value", "std", "unit"], rows));
     }
     text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_joint_without_an_equation_is_no_part_of_a_sum() {
+        let before = weighted_squares([(10, 2.0, 1.0), (0, f64::NAN, 1.0), (5, 0.0, 0.0)].into_iter());
+        assert_eq!((before, added(2.0, before)), (40.0, "2.00 (5.00 %)".to_owned()));
+        assert_eq!([added(2.0, 0.0), added(2.0, f64::NAN)], ["2.00", "2.00"]);
+    }
 }

@@ -279,38 +279,6 @@ pub fn falling_friction(robot: &Robot, fitted: &Fitted) -> Option<String> {
     })
 }
 
-/// The held-out residual of base parameters is this many times that of the training logs, and this many times that of bodies that can
-/// exist, where the training logs do not determine them: what these contradict is no body's.
-const EXTRAPOLATES: f64 = 3.0;
-const OF_BODIES: f64 = 2.0;
-
-/// A line about the joints whose held-out torque the training logs do not determine, if there are any: base parameters that they leave open
-/// make up for one another there and nowhere else, and bodies that can exist do not.
-pub fn undetermined_held_out(robot: &Robot, fitted: &Fitted, consistent: &Consistent) -> Option<String> {
-    let joints = 0..fitted.test_rms.len().min(consistent.test_rms.len());
-    let each: Vec<String> = joints
-        .filter(|&joint| extrapolates(fitted.train_rms[joint], fitted.test_rms[joint], consistent.test_rms[joint]))
-        .map(|joint| {
-            let [held_out, bodies] = [fitted.test_rms[joint], consistent.test_rms[joint]].map(significant);
-            let Joint { name, kind, .. } = &robot.joints[joint];
-            format!("{name} {held_out} {}, with the bodies of identified.urdf {bodies}", kind.unit(Unit::Effort))
-        })
-        .collect();
-    (!each.is_empty()).then(|| {
-        format!(
-            "the training logs do not determine the held-out torque: the base parameters leave of it on {}. Take identified.urdf, not the base \
-             parameters, or train on motions that move the joints together",
-            each.join("; on ")
-        )
-    })
-}
-
-/// Whether base parameters with these residuals, root mean square, on the training and the held-out logs are not determined by the training
-/// logs, where `bodies` that can exist leave so much of the held-out ones.
-fn extrapolates(training: f64, held_out: f64, bodies: f64) -> bool {
-    held_out > EXTRAPOLATES * training && held_out > OF_BODIES * bodies
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -320,12 +288,5 @@ mod tests {
         assert!(is_negative(-3.1, 1.0) && !is_negative(-2.9, 1.0) && !is_negative(3.1, 1.0));
         // As described, or not known.
         assert!(!is_negative(0.0, 0.0) && !is_negative(-1.0, f64::NAN) && !is_negative(f64::NAN, 1.0));
-    }
-
-    #[test]
-    fn base_parameters_extrapolate_where_bodies_do_not() {
-        assert!(extrapolates(1.0, 3.1, 1.5) && !extrapolates(1.0, 2.9, 1.0));
-        // What bodies do not follow either has changed between the logs.
-        assert!(!extrapolates(1.0, 30.0, 16.0) && extrapolates(1.0, 30.0, 14.0));
     }
 }

@@ -72,14 +72,15 @@ const BENT: &str = r#"<robot name="bent"><link name="base"/>
 <link name="l2"><inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial></link>
 </robot>"#;
 
-/// A log in which the first joint moves and the second is at `b`.
+/// A log in which the first joint moves and the second is at `b`, which begins the motion elsewhere too: a log is given once.
 fn bent(b: impl Fn(f64) -> f64) -> String {
     let mut log = String::from("t,a_position,b_position,a_effort,b_effort\n");
     for i in 0..2000 {
-        let t = 0.004 * f64::from(i);
+        let own = 0.004 * f64::from(i);
+        let t = own + b(0.0);
         let q = 0.8 * (1.3 * t).sin() + 0.4 * (3.1 * t).sin();
         let a = -9.81 * q.cos() - 3.0 * (1.3 * 1.3 * 0.8 * (1.3 * t).sin() + 3.1 * 3.1 * 0.4 * (3.1 * t).sin());
-        writeln!(log, "{t:.3},{q:.6},{:.6},{a:.5},{:.5}", b(t), -(q + b(t)).cos()).unwrap();
+        writeln!(log, "{own:.3},{q:.6},{:.6},{a:.5},{:.5}", b(own), -(q + b(own)).cos()).unwrap();
     }
     log
 }

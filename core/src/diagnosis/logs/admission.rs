@@ -2,9 +2,7 @@
 
 use super::screening::Screened;
 use crate::error::{Error, Result};
-use crate::recording::Recording;
-use std::collections::HashSet;
-use std::hash::{DefaultHasher, Hasher};
+use crate::recording::{Once, Recording};
 
 /// Shortest time that logs to identify from may last together, s.
 const SHORTEST_S: f64 = 5.0;
@@ -48,40 +46,12 @@ fn seconds(logs: &[Screened]) -> f64 {
     logs.iter().flat_map(|log| &log.pieces).map(Recording::duration).sum()
 }
 
-/// Refuses a log that is given twice, as a whole or in part: it validates nothing, and counts once. Two recordings have
-/// hardly a sample in common.
+/// Refuses a log that is given twice; each of `given` has what names its logs.
 ///
 /// # Errors
-/// If a log has more than half of the samples of another, or the other of its; both are named.
+/// Those of [`Once::take`].
 pub(crate) fn refuse_twice(given: [(&str, &[Screened]); 3]) -> Result<()> {
-    let mut seen: Vec<(String, HashSet<u64>)> = Vec::new();
-    for (what, logs) in given {
-        for log in logs {
-            let samples = samples(log);
-            let twice = seen.iter().find(|(_, other)| {
-                let common = samples.intersection(other).count();
-                2 * common > samples.len().min(other.len())
-            });
-            let name = format!("{what} {}", log.name);
-            if let Some((other, _)) = twice {
-                let problem = format!("has the samples of {other}; give every log once, and judge by another motion");
-                return Err(Error::request(name, problem));
-            }
-            seen.push((name, samples));
-        }
-    }
-    Ok(())
-}
-
-/// The samples of a log whatever their time: hashes of positions and torques to the last bit.
-fn samples(log: &Screened) -> HashSet<u64> {
-    let of_piece = |piece: &Recording| -> Vec<u64> {
-        let hash = |k: usize| {
-            let mut hasher = DefaultHasher::new();
-            piece.q.iter().chain(piece.tau.iter()).for_each(|signal| hasher.write_u64(signal[k].to_bits()));
-            hasher.finish()
-        };
-        (0..piece.samples()).map(hash).collect()
-    };
-    log.pieces.iter().flat_map(of_piece).collect()
+    let mut once = Once::default();
+    let mut logs = given.into_iter().flat_map(|(what, logs)| logs.iter().map(move |log| (what, log)));
+    logs.try_for_each(|(what, log)| once.take(format!("{what} {}", log.name), &log.pieces))
 }

@@ -162,7 +162,7 @@ const SLOW_HZ: f64 = 50.0;
 const SAMPLES_IN_A_SWING: f64 = 12.0;
 
 /// Fewest rows of a joint that determine its friction, a moment's motion.
-const FEWEST: usize = 30;
+pub(crate) const FEWEST: usize = 30;
 
 /// Share of a joint's rows below which a direction has no information.
 const ONE_WAY: f64 = 0.02;

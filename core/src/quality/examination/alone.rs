@@ -8,7 +8,7 @@ use crate::quality::channels::Jumps;
 use crate::quality::descriptions::{self, ClockFactor};
 use crate::quality::finding::{Finding, Kind, Severity};
 use crate::quality::motion::{JointSummary, PositionUnits};
-use crate::quality::reading::{clock, cycles, joint_names};
+use crate::quality::reading::{clock, cycles, joint_names, unused_columns};
 use crate::quality::report::Report;
 use crate::quality::unit_changes::UnitChanges;
 use crate::quality::velocity::in_true_time;
@@ -64,6 +64,7 @@ impl<'a> Read<'a> {
             units.time_factor = velocity::clock_factor(&View::new(&in_steps(&known), robot)?, robot);
         }
         let mut findings = clock::findings(sieved, &clock, units.time_factor.unwrap_or(1.0));
+        findings.extend(unused_columns::finding(sieved, robot));
         findings.extend(robot.map_or(Vec::new(), |robot| joint_names::findings(sieved, robot)));
         let mut read = Read { sieved, robot, clock, findings, summaries: Vec::new(), units, signals: None };
         if read.is_usable() {

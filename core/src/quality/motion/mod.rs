@@ -12,9 +12,10 @@ pub(crate) use position_unit::PositionUnits;
 pub(crate) use summary::summaries;
 pub use summary::{Constant, JointSummary};
 
-use super::finding::{Finding, Kind, Severity};
+use super::finding::{Finding, Kind, NOT_FOUND, Severity, UNCERTAIN};
 use super::places::places;
 use super::view::View;
+use crate::identification::equations;
 use crate::robot::{JointKind, Robot};
 use coupled::BEYOND;
 use std::f64::consts::TAU;
@@ -85,9 +86,10 @@ pub(super) fn findings(
         }
         if still(joint) {
             let unit = if revolute { "rad" } else { "m" };
+            // As in an identification: with so few samples a joint has no equation, with more it has one.
+            let what = if view.moving[joint] < equations::FEWEST { NOT_FOUND } else { UNCERTAIN };
             let text = format!(
-                "the joint hardly moves ({:.4} {unit}, at most {:.3} {unit}/s): its friction and inertia cannot be found from \
-                 this log",
+                "the joint hardly moves ({:.4} {unit}, at most {:.3} {unit}/s): its friction and inertia {what}",
                 summary.range[1] - summary.range[0],
                 summary.speed
             );
@@ -95,4 +97,31 @@ pub(super) fn findings(
         }
     }
     out
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::quality::examine;
+    use crate::quality::finding::{Finding, Kind, NOT_FOUND, UNCERTAIN};
+    use crate::quality::tests::{irb, log};
+
+    #[test]
+    fn a_joint_that_creeps_is_uncertain_and_one_that_stands_is_not_found() {
+        let robot = irb();
+        let mut sieved = log(&robot, 250.0, 12.0);
+        let time = sieved.recording.time.clone();
+        sieved.recording.qd = None;
+        for (joint, swing) in [(4, 0.02), (5, 0.0)] {
+            let own = sieved.recording.q.channel_mut(joint);
+            own.iter_mut().zip(&time).enumerate().for_each(|(i, (q, t))| {
+                *q = 0.2 + swing * (1.5 * t).sin() + 2e-6 * if i % 3 == 0 { 1.0 } else { -0.5 };
+            });
+        }
+        let report = examine(&sieved, Some(&robot)).unwrap();
+        for (place, what) in [("q5", UNCERTAIN), ("q6", NOT_FOUND)] {
+            let hardly = |finding: &&Finding| finding.kind == Kind::HardlyMoves && finding.place.starts_with(place);
+            let found = report.findings.iter().find(hardly).unwrap();
+            assert!(found.text.ends_with(what), "{}", found.text);
+        }
+    }
 }

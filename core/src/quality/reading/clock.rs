@@ -140,9 +140,6 @@ pub(crate) fn findings(sieved: &Sieved, clock: &Clock, factor: f64) -> Vec<Findi
         out.push(Finding::new(Kind::Jitter, Severity::Warning, "t", text));
     }
     out.extend(gaps(sieved, clock, &lost(sieved, clock)));
-    if !sieved.notes.is_empty() {
-        out.push(Finding::new(Kind::UnusedColumns, Severity::Note, "header", sieved.notes.join("; ")));
-    }
     out
 }
 

@@ -2,6 +2,7 @@
 
 use super::bare;
 use super::names::{self, Joint, Meaning};
+use super::prefixes::most_behind_prefix;
 use std::collections::BTreeMap;
 
 /// A column that is the signal of a joint, as one reading of its name has it.
@@ -136,49 +137,6 @@ fn numbers_of(name: &str) -> Vec<(String, usize)> {
     out
 }
 
-/// What stands between a prefix and the joint behind it.
-const SEPARATORS: [char; 6] = ['/', '_', '.', '-', ':', ' '];
-
-/// The numbers of joints that the file calls by the robot's names behind a prefix that all share, as `left_arm/elbow`, or the robot
-/// by the file's behind one, in columns of a quantity: name -> number counted from 1, and the prefix. None where two prefixes fit, as of
-/// two arms.
-pub(super) fn behind_prefix(
-    meanings: &[Vec<Meaning>],
-    names: &[String],
-    quantity: usize,
-) -> Option<(BTreeMap<String, usize>, String)> {
-    let own: Vec<&str> = {
-        let readings = meanings.iter().flatten().filter(|m| !m.truth && !m.exact_only && m.quantity == quantity);
-        let named = readings.filter_map(|meaning| match &meaning.joint {
-            Joint::Name(name) => Some(name.as_str()),
-            Joint::Number(_) => None,
-        });
-        named.collect()
-    };
-    let first = names.first()?;
-    let before = |long: &str, short: &str| {
-        let prefix = long.strip_suffix(short)?;
-        prefix.ends_with(SEPARATORS).then(|| prefix.to_owned())
-    };
-    let of_file = own.iter().filter_map(|name| before(name, first)).map(|prefix| (prefix, true));
-    let of_robot = own.iter().filter_map(|name| before(first, name)).map(|prefix| (prefix, false));
-    let mut fits: Vec<(BTreeMap<String, usize>, String)> = Vec::new();
-    for (prefix, in_file) in of_file.chain(of_robot) {
-        let called = |joint: &String| match in_file {
-            true => Some(format!("{prefix}{joint}")),
-            false => joint.strip_prefix(prefix.as_str()).map(str::to_owned),
-        };
-        let all: Option<Vec<String>> =
-            names.iter().map(|joint| called(joint).filter(|name| own.contains(&name.as_str()))).collect();
-        if let Some(all) = all
-            && !fits.iter().any(|(_, other)| *other == prefix)
-        {
-            fits.push((all.into_iter().zip(1..).collect(), prefix));
-        }
-    }
-    if fits.len() == 1 { fits.pop() } else { None }
-}
-
 /// The readings of positions in the family that most columns share.
 fn positions(meanings: &[Vec<Meaning>]) -> Vec<&Meaning> {
     let mut families: BTreeMap<&str, Vec<&Meaning>> = BTreeMap::new();
@@ -241,25 +199,6 @@ fn around_names(meanings: &[Vec<Meaning>], known: &[String]) -> Vec<String> {
         Place::Number(_) => None,
     };
     best_family(named).into_iter().filter_map(of).collect()
-}
-
-/// Those of `known` that more than half of the names of a file are behind one prefix, or that are so behind one of the robot's. None where
-/// two prefixes fit as many.
-fn most_behind_prefix(names: &[String], known: &[String]) -> Option<Vec<String>> {
-    let mut found: BTreeMap<(&str, bool), Vec<&String>> = BTreeMap::new();
-    for (name, joint) in names.iter().flat_map(|name| known.iter().map(move |joint| (name, joint))) {
-        let pairs = [(name, joint, true), (joint, name, false)];
-        for (long, short, in_file) in pairs {
-            let prefix = long.strip_suffix(short.as_str()).filter(|prefix| prefix.ends_with(SEPARATORS));
-            if let Some(prefix) = prefix {
-                found.entry((prefix, in_file)).or_default().push(joint);
-            }
-        }
-    }
-    let most = found.values().map(Vec::len).max().filter(|most| 2 * most > names.len())?;
-    let mut best = found.into_values().filter(|joints| joints.len() == most);
-    let joints = best.next().filter(|_| best.next().is_none())?;
-    Some(joints.into_iter().cloned().collect())
 }
 
 /// Joint names in the order of their positions; none where the positions are numbered.

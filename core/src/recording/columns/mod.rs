@@ -11,6 +11,7 @@ mod layout;
 mod left_out;
 mod map;
 pub(super) mod names;
+mod prefixes;
 mod resolve;
 mod search;
 mod spare_currents;

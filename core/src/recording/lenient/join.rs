@@ -8,8 +8,18 @@ use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-/// Rows of all files together: columns indexed as the header, lines of the first file, rows that cannot be read.
-pub(super) type Joined = (Vec<Vec<f64>>, Vec<usize>, Vec<Rejected>);
+/// Rows of all files together.
+#[derive(Default)]
+pub(super) struct Joined {
+    /// Indexed as the header of all files.
+    pub columns: Vec<Vec<f64>>,
+    /// Lines of the first file.
+    pub lines: Vec<usize>,
+    /// Rows that cannot be read.
+    pub rejected: Vec<Rejected>,
+    /// What was left out.
+    pub notes: Vec<String>,
+}
 
 /// The columns of time of the files.
 pub(super) struct Times {
@@ -73,7 +83,7 @@ pub(super) fn name_by_files(paths: &[PathBuf], sources: &[Source], header: &mut 
     }
 }
 
-/// The rows of all files together: columns indexed as the header, lines of the first file, rows that cannot be read.
+/// The rows of all files together.
 ///
 /// # Errors
 /// Those of reading, and files whose rows cannot be matched.
@@ -100,7 +110,7 @@ pub(super) fn rows(
     let Some(first) = contents.first() else { return Ok(Default::default()) };
     if contents.len() == 1 {
         let Content { columns, lines, rejected, .. } = contents.remove(0);
-        return Ok((columns, lines, rejected));
+        return Ok(Joined { columns, lines, rejected, notes: Vec::new() });
     }
     let one_by_one = contents.iter().all(|content| content.all == first.all);
     if one_by_one { matched(contents) } else { by_time(paths, contents, times) }
@@ -111,22 +121,22 @@ fn matched(contents: Vec<Content>) -> Result<Joined> {
     let mut seen: BTreeMap<usize, usize> = BTreeMap::new();
     contents.iter().flat_map(|content| &content.ordinals).for_each(|&ordinal| *seen.entry(ordinal).or_default() += 1);
     let good = |ordinal: &usize| seen.get(ordinal) == Some(&contents.len());
-    let mut out = (Vec::new(), Vec::new(), Vec::new());
+    let mut out = Joined::default();
     for (file, content) in contents.iter().enumerate() {
         let kept: Vec<usize> = (0..content.ordinals.len()).filter(|&row| good(&content.ordinals[row])).collect();
-        out.0.extend(content.columns.iter().map(|column| match column.is_empty() {
+        out.columns.extend(content.columns.iter().map(|column| match column.is_empty() {
             true => Vec::new(),
             false => kept.iter().map(|&row| column[row]).collect(),
         }));
         if file == 0 {
-            out.1 = kept.iter().map(|&row| content.lines[row]).collect();
+            out.lines = kept.iter().map(|&row| content.lines[row]).collect();
         }
-        out.2.extend(content.rejected.iter().cloned());
+        out.rejected.extend(content.rejected.iter().cloned());
     }
     Ok(out)
 }
 
-/// The rows of the first file with time, and the values of the others at its times.
+/// The rows of the first file within the times of the others, and their values there.
 fn by_time(paths: &[PathBuf], contents: Vec<Content>, times: &[Option<OwnTime>]) -> Result<Joined> {
     let mut start = 0;
     let mut clocks: Vec<Cow<[f64]>> = Vec::new();
@@ -168,16 +178,35 @@ fn by_time(paths: &[PathBuf], contents: Vec<Content>, times: &[Option<OwnTime>])
             return Err(Error::input(path, None, "t", problem));
         }
     }
-    let mut out = (Vec::new(), Vec::new(), Vec::new());
+    let mut out = Joined::default();
+    let mut kept: Vec<usize> = (0..clocks[0].len()).collect();
+    for (path, clock) in paths.iter().zip(&clocks).skip(1) {
+        let [low, high] = span(clock);
+        let is_outside = |row: &usize| clocks[0][*row] < low || clocks[0][*row] > high;
+        let outside = (0..clocks[0].len()).filter(is_outside).count();
+        kept.retain(|row| !is_outside(row));
+        if outside > 0 {
+            let (all, file) = (contents[0].all, path.display());
+            out.notes.push(format!("{outside} of {all} rows lie outside the time of {file}: they are left out"));
+        }
+    }
+    if kept.is_empty() {
+        let problem =
+            format!("no row is within the times of the other files ({}); log them together", out.notes.join("; "));
+        return Err(Error::input(&paths[0], None, "t", problem));
+    }
+    let of_kept = |values: &[f64]| kept.iter().map(|&row| values[row]).collect::<Vec<f64>>();
+    let wanted = of_kept(&clocks[0]);
     for (file, content) in contents.iter().enumerate() {
-        out.0.extend(content.columns.iter().map(|column| match (file, column.is_empty()) {
-            (0, _) | (_, true) => column.clone(),
-            _ => at_times(&clocks[file], column, &clocks[0]),
+        out.columns.extend(content.columns.iter().map(|column| match (file, column.is_empty()) {
+            (_, true) => Vec::new(),
+            (0, _) => of_kept(column),
+            _ => at_times(&clocks[file], column, &wanted),
         }));
         if file == 0 {
-            out.1 = content.lines.clone();
+            out.lines = kept.iter().map(|&row| content.lines[row]).collect();
         }
-        out.2.extend(content.rejected.iter().cloned());
+        out.rejected.extend(content.rejected.iter().cloned());
     }
     Ok(out)
 }
@@ -219,6 +248,15 @@ mod tests {
         // Seconds and milliseconds of one clock, at other rates.
         let log = read(rows("time_s,tau1", 5.0, 0.02, 40)).unwrap().recording;
         assert!((log.tau.channel(0)[10] - 5.0).abs() < 1e-9);
+        // Rows for which the other file has nothing are no rows with a broken cell.
+        let late = read(rows("time_s,tau1", 5.025, 0.02, 15)).unwrap();
+        assert_eq!((late.recording.samples(), late.lines[0], late.rejected.len()), (28, 5, 0));
+        let said = "22 of 50 rows lie outside the time of ";
+        assert!(
+            late.corrections.iter().any(|note| note.starts_with(said) && note.contains("tau.csv")),
+            "{:?}",
+            late.corrections
+        );
         let refused = read(rows("t,tau1", 0.0, 0.02, 40)).unwrap_err().to_string();
         assert!(refused.contains("tau.csv: t: its times, 0 to 0.78, do not overlap"), "{refused}");
     }

@@ -337,15 +337,25 @@ fn named(name: &str) -> Option<Meaning> {
             return meaning(found, parts[0], format!("#/{}", parts[1]), 1);
         }
     }
+    let is_measured = |part: &str| words(part).iter().all(|word| MEASURED.contains(&word.as_str()));
     // The arm or the namespace of a joint stands before it, and behind it may stand that it was measured.
     if let [joint @ .., last] = parts
         && joint.len() > 1
         && let Some(found) = quantity(&words(last))
     {
-        let is_measured = |part: &&&str| words(part).iter().all(|word| MEASURED.contains(&word.as_str()));
-        let behind = joint[1..].iter().rev().take_while(is_measured).count();
+        let behind = joint[1..].iter().rev().take_while(|part| is_measured(part)).count();
         let (joint, others) = parts.split_at(joint.len() - behind);
         return meaning(found, &joint.join("/"), format!("#/{}", others.join("/")), 1);
+    }
+    // A topic of whatever name stands before the quantity as the arm does before the joint.
+    if let [topic @ .., field, joint] = parts
+        && !topic.is_empty()
+        && !is_measured(joint)
+        && !is_group(joint)
+        && let Some(found) = quantity(&words(field))
+    {
+        let topic = topic.join("/");
+        return meaning(found, &format!("{topic}/{joint}"), format!("{topic}/{field}/#"), 2);
     }
     let [part] = parts else { return None };
     // Several words before a joint of a letter and a number: `TORQUE_AXIS_ACT_A1`.

@@ -81,6 +81,8 @@ fn names_before_and_behind_the_quantity() {
         ("elbow.actual.position", POSITION, "elbow"),
         ("left/elbow/position", POSITION, "left/elbow"),
         ("jointpos_elbow", POSITION, "elbow"),
+        ("/kinova/joint_states/position/j2s6s200_joint_6", POSITION, "kinova/joint_states/j2s6s200_joint_6"),
+        ("/my_arm/state/effort/elbow", TORQUE, "my_arm/state/elbow"),
     ] {
         assert_eq!(first(column), Some((quantity, Joint::Name(name.to_owned()))), "{column}");
     }
@@ -108,6 +110,8 @@ fn what_was_not_measured_at_a_joint_is_left() {
         "actual_joint_voltage_0",
         "joint_temperatures_0",
         "frame_index",
+        "/my_arm/desired/position/elbow",
+        "/my_arm/elbow/position/actual",
     ] {
         assert_eq!(first(column), None, "{column}");
     }

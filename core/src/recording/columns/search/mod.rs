@@ -1,9 +1,10 @@
 //! The search for the columns of a recording by their names.
 
 use super::bare;
-use super::families::{Place, any_position, base, behind_prefix, best_family, candidates, numbers_in_names, own_names};
+use super::families::{Place, any_position, base, best_family, candidates, numbers_in_names, own_names};
 use super::layout::{ABSENT, Layout};
 use super::names::{self, QUANTITIES, TRUE};
+use super::prefixes::{behind_prefix, several};
 use super::resolve::{Clock, Found, Resolver, listed};
 use super::spare_currents;
 use super::unknown_units;
@@ -62,16 +63,19 @@ impl Layout {
         let mut understood: Vec<String> = on_bare.into_iter().collect();
         let mut numbers = BTreeMap::new();
         if joints.is_some() && !any_position(&meanings, &names) {
-            numbers = numbers_in_names(&meanings, names.len());
-            if let (Some((first, _)), Some(name)) = (numbers.first_key_value(), names.first()) {
-                // A name that is cut behind its number has its bracket open.
-                let close = if first.contains('[') && !first.contains(']') { "]" } else { "" };
-                let text =
-                    format!("joints are taken by the numbers in their names, {first}{close} for {name} and so on");
-                understood.push(text);
-            } else if let Some((found, prefix)) = behind_prefix(&meanings, &names, names::POSITION) {
+            if let Some((found, prefix)) = behind_prefix(&meanings, &names, names::POSITION) {
                 understood.push(format!("the names of the joints differ by the prefix {prefix}"));
                 numbers = found;
+            } else {
+                // Whole names are surer than numbers in them, of which robots have theirs in any order.
+                numbers = numbers_in_names(&meanings, names.len());
+                if let (Some((first, _)), Some(name)) = (numbers.first_key_value(), names.first()) {
+                    // A name that is cut behind its number has its bracket open.
+                    let close = if first.contains('[') && !first.contains(']') { "]" } else { "" };
+                    let text =
+                        format!("joints are taken by the numbers in their names, {first}{close} for {name} and so on");
+                    understood.push(text);
+                }
             }
         }
         let mut used = BTreeSet::new();
@@ -145,6 +149,13 @@ impl Layout {
         };
         used.extend([time.time].into_iter().chain(time.nanoseconds).filter(|column| *column != ABSENT));
         let [measured, truth] = &found;
+        let unclear = |quantity: usize| -> Result<()> {
+            let missing = joints.is_some() && measured[quantity].is_empty();
+            let problem = missing.then(|| several(&meanings, &names, quantity)).flatten();
+            let column = format!("{}1", QUANTITIES[quantity].prefixes[0]);
+            problem.map_or(Ok(()), |problem| Err(Error::input(path, line, column, problem)))
+        };
+        unclear(names::POSITION)?;
         let q = resolver.all(QUANTITIES[names::POSITION], &measured[0], None)?;
         let count = q.len();
         let mut notes = Vec::new();
@@ -161,6 +172,9 @@ impl Layout {
             Ok(Some(columns))
         };
         let (qd, qdd) = (optional(names::VELOCITY)?, optional(names::ACCELERATION)?);
+        if !demand.positions_alone {
+            unclear(names::TORQUE)?;
+        }
         let tau = match demand.positions_alone && measured[names::TORQUE].is_empty() {
             true => vec![ABSENT; count],
             false => resolver.all(QUANTITIES[names::TORQUE], &measured[names::TORQUE], Some(count))?,

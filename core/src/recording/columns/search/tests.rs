@@ -59,7 +59,44 @@ fn torques_of_another_topic() {
     assert_eq!((layout.q, layout.tau), (vec![1, 2], vec![3, 4]));
     // Those of two arms are not told apart.
     let other = columns("other/torque_states", "effort");
-    assert!(find(&format!("t{positions}{torques}{other}"), Some(&["a", "b"])).is_err());
+    let said = problem(&format!("t{positions}{torques}{other}"), Some(&["a", "b"]));
+    assert!(
+        said.contains("tau1: the columns of torque fit the robot's joints behind iiwa/torque_states/ and"),
+        "{said}"
+    );
+}
+
+#[test]
+fn fields_of_a_topic_of_any_name() {
+    let columns = |topic: &str| {
+        let of = |field: &str| format!(",/{topic}/{field}/b,/{topic}/{field}/a");
+        ["position", "velocity", "effort"].map(of).concat()
+    };
+    for topic in ["kinova/joint_states", "my_arm/state"] {
+        let layout = find(&format!("__time{}", columns(topic)), Some(&["a", "b"])).unwrap();
+        assert_eq!((layout.q, layout.qd, layout.tau), (vec![2, 1], Some(vec![4, 3]), vec![6, 5]), "{topic}");
+    }
+    // Names behind a prefix are surer than the numbers in them.
+    let header = "__time,/a/position/j_1,/a/position/j_2,/a/effort/j_1,/a/effort/j_2";
+    assert_eq!(find(header, Some(&["j_2", "j_1"])).unwrap().q, [2, 1]);
+    // A point in space besides has no joints.
+    let header = format!("__time{},/odom/pose/position/x,/odom/pose/position/y", columns("my_arm/state"));
+    assert_eq!(
+        find(&header, Some(&["a", "b"])).unwrap().notes,
+        ["columns not used: /odom/pose/position/x, /odom/pose/position/y"]
+    );
+    let said = problem(&format!("__time{}{}", columns("left"), columns("right")), Some(&["a", "b"]));
+    assert!(
+        said.contains("q1: the columns of position fit the robot's joints behind left/ and right/ alike"),
+        "{said}"
+    );
+}
+
+#[test]
+fn an_arm_of_two_is_to_be_chosen() {
+    let header = "t,a_position,b_position,a_effort,b_effort";
+    let said = problem(header, Some(&["left_a", "left_b", "right_a", "right_b"]));
+    assert!(said.contains("behind left_ and right_ alike; choose with --tip LINK"), "{said}");
 }
 
 #[test]

@@ -120,9 +120,9 @@ fn read(paths: &[PathBuf], joints: Option<&[String]>, map: &ColumnMap, positions
         motors: &map.motors,
     };
     let mut layout = Layout::search(path, sources[0].line(), &header, joints.or(own.as_deref()), demand)?;
-    let (mut columns, mut lines, unreadable) =
+    let join::Joined { mut columns, mut lines, rejected: unreadable, notes: joined } =
         join::rows(paths, &mut sources, &header, &layout.used(), &times.of_files)?;
-
+    layout.understood.extend(joined);
     layout.understood.extend(sentinel::removed(&layout, &header, &mut columns));
     let empty = missing::empty_columns(&layout, &columns);
     if let Err(joint) = layout.leave_out(&empty, joints.is_some()) {

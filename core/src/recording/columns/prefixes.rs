@@ -1,0 +1,146 @@
+//! Joints that the file calls by the robot's names behind a prefix, or the robot by the file's: `left_arm/elbow` for `elbow`.
+
+use super::names::{Joint, Meaning, QUANTITIES};
+use std::collections::BTreeMap;
+
+/// What stands between a prefix and the joint behind it.
+const SEPARATORS: [char; 6] = ['/', '_', '.', '-', ':', ' '];
+
+/// The numbers of joints by their names in the file, counted from 1, and the prefix.
+type Fit = (BTreeMap<String, usize>, String);
+
+/// The numbers of joints that the file calls by the robot's names behind a prefix that all share, as `left_arm/elbow`, or the robot
+/// by the file's behind one, in columns of a quantity: name -> number counted from 1, and the prefix. None where two prefixes fit, as of
+/// two arms.
+pub(super) fn behind_prefix(meanings: &[Vec<Meaning>], names: &[String], quantity: usize) -> Option<Fit> {
+    let mut fits = fits(meanings, names, quantity);
+    if fits.len() == 1 { fits.pop() } else { None }
+}
+
+/// Why the columns of a quantity are not found, and what to do, where the names fit behind several prefixes.
+pub(super) fn several(meanings: &[Vec<Meaning>], names: &[String], quantity: usize) -> Option<String> {
+    let name = QUANTITIES[quantity].name;
+    let of_file: Vec<String> = fits(meanings, names, quantity).into_iter().map(|(_, prefix)| prefix).collect();
+    if of_file.len() > 1 {
+        return Some(format!(
+            "the columns of {name} fit the robot's joints behind {} alike; name those that are meant in a dataset, in the order \
+             of the joints: [columns] q = [..], qd = [..], tau = [..]",
+            of_file.join(" and ")
+        ));
+    }
+    let own = named(meanings, quantity);
+    let of_robot = most_shared(&own, names);
+    if of_robot.len() < 2 || of_robot.iter().any(|(_, in_file, _)| *in_file) {
+        return None;
+    }
+    let prefixes: Vec<&str> = of_robot.iter().map(|(prefix, ..)| *prefix).collect();
+    let first: Vec<&str> = of_robot[0].2.iter().map(|joint| joint.as_str()).collect();
+    Some(format!(
+        "the joints of the file fit the robot's behind {} alike; choose with --tip LINK, the last link of the arm that is meant, or \
+         with --joints {}",
+        prefixes.join(" and "),
+        first.join(",")
+    ))
+}
+
+/// The names of joints in columns of a quantity, each once.
+fn named(meanings: &[Vec<Meaning>], quantity: usize) -> Vec<String> {
+    let readings = meanings.iter().flatten().filter(|m| !m.truth && !m.exact_only && m.quantity == quantity);
+    let mut out: Vec<String> = Vec::new();
+    for meaning in readings {
+        if let Joint::Name(name) = &meaning.joint
+            && !out.contains(name)
+        {
+            out.push(name.clone());
+        }
+    }
+    out
+}
+
+/// Every prefix behind which all joints are, with their numbers.
+fn fits(meanings: &[Vec<Meaning>], names: &[String], quantity: usize) -> Vec<Fit> {
+    let own = named(meanings, quantity);
+    let Some(first) = names.first() else { return Vec::new() };
+    let before = |long: &str, short: &str| {
+        let prefix = long.strip_suffix(short)?;
+        prefix.ends_with(SEPARATORS).then(|| prefix.to_owned())
+    };
+    let of_file = own.iter().filter_map(|name| before(name, first)).map(|prefix| (prefix, true));
+    let of_robot = own.iter().filter_map(|name| before(first, name)).map(|prefix| (prefix, false));
+    let mut fits: Vec<Fit> = Vec::new();
+    for (prefix, in_file) in of_file.chain(of_robot) {
+        let called = |joint: &String| match in_file {
+            true => Some(format!("{prefix}{joint}")),
+            false => joint.strip_prefix(prefix.as_str()).map(str::to_owned),
+        };
+        let all: Option<Vec<String>> =
+            names.iter().map(|joint| called(joint).filter(|name| own.contains(name))).collect();
+        if let Some(all) = all
+            && !fits.iter().any(|(_, other)| *other == prefix)
+        {
+            fits.push((all.into_iter().zip(1..).collect(), prefix));
+        }
+    }
+    fits
+}
+
+/// Those of `known` that more than half of the names of a file are behind one prefix, or that are so behind one of the robot's. None where
+/// two prefixes fit as many.
+pub(super) fn most_behind_prefix(names: &[String], known: &[String]) -> Option<Vec<String>> {
+    let mut best = most_shared(names, known);
+    let (.., joints) = best.pop().filter(|_| best.is_empty())?;
+    Some(joints.into_iter().cloned().collect())
+}
+
+/// The prefixes that most names of a file share with joints of `known`, if more than half do: each with whether it stands in the file, else
+/// in the robot, and the joints.
+fn most_shared<'a>(names: &'a [String], known: &'a [String]) -> Vec<(&'a str, bool, Vec<&'a String>)> {
+    let mut found: BTreeMap<(&str, bool), Vec<&String>> = BTreeMap::new();
+    for (name, joint) in names.iter().flat_map(|name| known.iter().map(move |joint| (name, joint))) {
+        let pairs = [(name, joint, true), (joint, name, false)];
+        for (long, short, in_file) in pairs {
+            let prefix = long.strip_suffix(short.as_str()).filter(|prefix| prefix.ends_with(SEPARATORS));
+            if let Some(prefix) = prefix {
+                found.entry((prefix, in_file)).or_default().push(joint);
+            }
+        }
+    }
+    let most = found.values().map(Vec::len).max().filter(|most| 2 * most > names.len());
+    let best = found.into_iter().filter(|(_, joints)| Some(joints.len()) == most);
+    best.map(|((prefix, in_file), joints)| (prefix, in_file, joints)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::recording::columns::bare;
+    use crate::recording::columns::names::{POSITION, TORQUE};
+
+    fn list(names: &str) -> Vec<String> {
+        names.split(',').map(str::to_owned).collect()
+    }
+
+    fn of_columns(columns: &str, joints: &str, quantity: usize) -> Option<String> {
+        let (meanings, _) = bare::meanings(&list(columns));
+        several(&meanings, &list(joints), quantity)
+    }
+
+    #[test]
+    fn two_arms_of_the_robot_are_chosen_between() {
+        let two = "left_shoulder,left_elbow,right_shoulder,right_elbow";
+        let said = of_columns("shoulder_position,elbow_position,gripper_position", two, POSITION).unwrap();
+        for part in ["behind left_ and right_ alike", "--tip LINK", "--joints left_shoulder,left_elbow"] {
+            assert!(said.contains(part), "{said}");
+        }
+        assert_eq!(of_columns("left_shoulder_position,left_elbow_position", two, POSITION), None);
+        assert_eq!(of_columns("x_position,y_position", two, POSITION), None);
+    }
+
+    #[test]
+    fn two_topics_of_the_file_are_chosen_between() {
+        let columns = |topic: &str| format!("/{topic}/effort/shoulder,/{topic}/effort/elbow");
+        let said = of_columns(&format!("{},{}", columns("a"), columns("b")), "shoulder,elbow", TORQUE).unwrap();
+        assert!(said.contains("behind a/ and b/ alike") && said.contains("[columns] q = [..]"), "{said}");
+        assert_eq!(of_columns(&columns("a"), "shoulder,elbow", TORQUE), None);
+    }
+}

@@ -155,7 +155,7 @@ impl<'a> Session<'a> {
     /// If a log is too short to differentiate.
     pub(crate) fn solved(&self, members: &[Member], whitener: &Whitener) -> Result<Solved> {
         let columns = self.model.columns(&self.logs.train, members)?;
-        Ok(whitener.solve(&columns, &self.logs.train.torque).with_described(&self.model.described()))
+        Ok(whitener.solve(&columns, &self.logs.train.torque).with_described(&self.model.described(&self.logs.train)))
     }
 
     /// Solves for all parameters with the members in the model and writes the estimates back; the arm takes its own, and with it

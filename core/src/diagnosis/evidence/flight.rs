@@ -56,11 +56,14 @@ impl Trace {
         let load = self.load.channel(joint);
         let start = (window + 1..load.len()).find(|&k| load[k - 1] * load[k] < 0.0)?;
         let end = (start + self.samples(LONGEST_S)).min(self.new.len());
-        let peak = self.new[start..end].iter().fold(0.0, |m: f64, v| m.max(*v));
+        let highest = (start..end).max_by(|a, b| self.new[*a].total_cmp(&self.new[*b]))?;
+        let peak = self.new[highest];
         if peak < jump {
             return None;
         }
-        let met = self.new[start..end].iter().position(|value| *value > MET * peak)?;
+        // Noise comes near a faint jump long before it: what counts is the rise to the jump itself.
+        let before = (start..highest).rev().find(|&k| self.new[k] <= MET * peak);
+        let met = before.map_or(0, |k| k + 1 - start);
         let uncertain = UNCERTAIN_S + 0.5 * self.period;
         // Of a flight too short to be timed only so much is known.
         let time = (met as f64 * self.period - EARLIER_S - 0.5 * self.period).max(uncertain);

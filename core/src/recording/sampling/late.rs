@@ -24,6 +24,9 @@ const GRID: f64 = 0.01;
 /// Share of the rows that come late from which on a stamp says when a message came, in all rows: they are due by their number alone.
 const OFTEN: f64 = 0.05;
 
+/// Fewest windows through whose earliest rows a line is laid: through two, it always fits.
+const FEWEST: usize = 5;
+
 /// Rounds in which the line of the earliest rows is found.
 const ROUNDS: usize = 3;
 
@@ -121,7 +124,7 @@ fn steady(time: &[f64]) -> Option<Due> {
         });
         let earliest: Vec<(f64, f64)> = earliest.collect();
         late = earliest.iter().map(|(_, late)| *late).collect();
-        if round + 1 < ROUNDS {
+        if round + 1 < ROUNDS && earliest.len() >= FEWEST {
             let (offset, slope) = line(&earliest);
             due = Due { step: due.step + slope, first: due.first + offset };
         }

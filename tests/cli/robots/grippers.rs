@@ -101,7 +101,8 @@ fn a_joint_that_stands_elsewhere_in_every_log_is_noted() {
     let kept = said(&["o1"]);
     let words = "at 0.3000 rad in down.csv and at 0.8000 rad in up.csv";
     assert!(kept.contains(&format!("joint `b` stands still in every log, {words}: it keeps its coordinate")), "{kept}");
-    assert!(kept.contains("--joints a\n"), "{kept}");
+    // Nothing advises what would be wrong in one of the logs.
+    assert!(!kept.contains("--joints"), "{kept}");
     let held = said(&["o2", "--joints", "a"]);
     assert!(held.contains(&format!("joint `b` is not under study and stands {words}: it is held between")), "{held}");
     assert!(held.contains("where the logs show them or [hold] has them: b 0.5500 rad"), "{held}");

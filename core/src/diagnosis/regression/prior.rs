@@ -1,10 +1,13 @@
 //! What the description of an arm says where the rows do not: a prior on some factors of a least-squares solution.
 //!
-//! Directions that the rows determine less well than the description are taken from it, those that they determine better stay as
-//! fitted. Most logs determine all that their own torque needs; held-out logs may need more, as where a joint stands elsewhere.
+//! Directions that the rows do not determine are taken from the description, all others stay as fitted. Most logs determine all that their own torque needs; held-out logs may need more, as where a joint stands elsewhere.
 
 use super::solution::{SINGULAR, Solved};
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
+
+/// Standard deviations of the description above which a direction is not determined by the rows: an estimate that is off by ten times its
+/// size says nothing. Below, the description may be as wrong as the estimate.
+const UNDETERMINED: f64 = 10.0;
 
 /// Fewest factors that the rows determine by which the size of a description is judged.
 const FEWEST: usize = 3;
@@ -21,8 +24,8 @@ pub(crate) struct Described {
 }
 
 impl Solved {
-    /// The solution with what is `described` where the rows say less: the posterior mean in those principal directions in which the
-    /// variance is larger than that of the description. The description counts as a whole by a factor, and its deviations by another, as
+    /// The solution with what is `described` where the rows say nothing: the posterior mean in those principal directions in which the
+    /// standard deviation is many times that of the description. The description counts as a whole by a factor, and its deviations by another, as
     /// the factors that the rows determine show: bodies may be described twice too heavy.
     pub(crate) fn with_described(mut self, described: &[Described]) -> Solved {
         let [scale, spread] = self.sizes(described);
@@ -34,7 +37,7 @@ impl Solved {
         }
         let known = |k: usize| if self.variances[k] > 0.0 { 1.0 / self.variances[k] } else { 0.0 };
         let described = self.directions.map(|part| part * part).tr_mul(&precision);
-        let open: Vec<usize> = (0..count).filter(|&k| known(k) < described[k]).collect();
+        let open: Vec<usize> = (0..count).filter(|&k| UNDETERMINED.powi(2) * known(k) < described[k]).collect();
         if open.is_empty() {
             return self;
         }

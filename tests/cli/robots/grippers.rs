@@ -77,7 +77,8 @@ fn bent(b: impl Fn(f64) -> f64) -> String {
     let mut log = String::from("t,a_position,b_position,a_effort,b_effort\n");
     for i in 0..2000 {
         let own = 0.004 * f64::from(i);
-        let t = own + b(0.0);
+        // By no whole number of samples, or the logs would have most of them in common.
+        let t = own + 1.2345 * b(0.0);
         let q = 0.8 * (1.3 * t).sin() + 0.4 * (3.1 * t).sin();
         let a = -9.81 * q.cos() - 3.0 * (1.3 * 1.3 * 0.8 * (1.3 * t).sin() + 3.1 * 3.1 * 0.4 * (3.1 * t).sin());
         writeln!(log, "{own:.3},{q:.6},{:.6},{a:.5},{:.5}", b(own), -(q + b(own)).cos()).unwrap();

@@ -43,9 +43,10 @@ impl ArmModel<'_> {
     }
 
     /// What the description says of the base parameters of the bodies, where they are estimated: each as far off at the most as the largest of
-    /// its kind on its link. Nothing where bodies are described without mass, and where a data set has no baseline.
+    /// its kind on its link. Nothing where bodies are described without mass or by placeholders, and where a data set has no baseline.
     pub(crate) fn described(&self, data: &DataSet) -> Vec<Described> {
-        if self.trust != Trust::Structure || data.baseline.is_empty() {
+        let is_known = self.trust == Trust::Structure && self.base.robot().placeholders().is_none();
+        if !is_known || data.baseline.is_empty() {
             return Vec::new();
         }
         let base = self.base.base();

@@ -1,6 +1,7 @@
 //! What the description of an arm says where the rows do not: a prior on some factors of a least-squares solution.
 //!
-//! Directions that the rows do not determine are taken from the description, all others stay as fitted. Most logs determine all that their own torque needs; held-out logs may need more, as where a joint stands elsewhere.
+//! Directions that the rows do not determine are taken from the description, all others stay as fitted. Most logs determine all that
+//! their own torque needs; held-out logs may need more, as where a joint stands elsewhere.
 
 use super::solution::{SINGULAR, Solved};
 use nalgebra::{DMatrix, DVector, SymmetricEigen};

@@ -43,6 +43,11 @@ pub(super) fn several(meanings: &[Vec<Meaning>], names: &[String], quantity: usi
     ))
 }
 
+/// What stands before a short name in a long one, up to a separator.
+fn before<'a>(long: &'a str, short: &str) -> Option<&'a str> {
+    long.strip_suffix(short).filter(|prefix| prefix.ends_with(SEPARATORS))
+}
+
 /// The names of joints in columns of a quantity, each once.
 fn named(meanings: &[Vec<Meaning>], quantity: usize) -> Vec<String> {
     let readings = meanings.iter().flatten().filter(|m| !m.truth && !m.exact_only && m.quantity == quantity);
@@ -61,24 +66,20 @@ fn named(meanings: &[Vec<Meaning>], quantity: usize) -> Vec<String> {
 fn fits(meanings: &[Vec<Meaning>], names: &[String], quantity: usize) -> Vec<Fit> {
     let own = named(meanings, quantity);
     let Some(first) = names.first() else { return Vec::new() };
-    let before = |long: &str, short: &str| {
-        let prefix = long.strip_suffix(short)?;
-        prefix.ends_with(SEPARATORS).then(|| prefix.to_owned())
-    };
     let of_file = own.iter().filter_map(|name| before(name, first)).map(|prefix| (prefix, true));
     let of_robot = own.iter().filter_map(|name| before(first, name)).map(|prefix| (prefix, false));
     let mut fits: Vec<Fit> = Vec::new();
     for (prefix, in_file) in of_file.chain(of_robot) {
         let called = |joint: &String| match in_file {
             true => Some(format!("{prefix}{joint}")),
-            false => joint.strip_prefix(prefix.as_str()).map(str::to_owned),
+            false => joint.strip_prefix(prefix).map(str::to_owned),
         };
         let all: Option<Vec<String>> =
             names.iter().map(|joint| called(joint).filter(|name| own.contains(name))).collect();
         if let Some(all) = all
             && !fits.iter().any(|(_, other)| *other == prefix)
         {
-            fits.push((all.into_iter().zip(1..).collect(), prefix));
+            fits.push((all.into_iter().zip(1..).collect(), prefix.to_owned()));
         }
     }
     fits
@@ -99,8 +100,7 @@ fn most_shared<'a>(names: &'a [String], known: &'a [String]) -> Vec<(&'a str, bo
     for (name, joint) in names.iter().flat_map(|name| known.iter().map(move |joint| (name, joint))) {
         let pairs = [(name, joint, true), (joint, name, false)];
         for (long, short, in_file) in pairs {
-            let prefix = long.strip_suffix(short.as_str()).filter(|prefix| prefix.ends_with(SEPARATORS));
-            if let Some(prefix) = prefix {
+            if let Some(prefix) = before(long, short) {
                 found.entry((prefix, in_file)).or_default().push(joint);
             }
         }

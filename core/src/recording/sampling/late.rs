@@ -114,14 +114,9 @@ fn steady(time: &[f64]) -> Option<Due> {
     let mut late = Vec::new();
     // The step from whole rows is off by as much as these are late.
     for round in 0..ROUNDS {
-        let lateness = |row: &usize| time[*row] - due.at(*row);
-        let rows: Vec<usize> = (0..time.len()).collect();
-        let earliest = rows.chunks_exact(window).filter_map(|part| {
-            part.iter()
-                .copied()
-                .min_by(|a, b| lateness(a).total_cmp(&lateness(b)))
-                .map(|row| (row as f64, lateness(&row)))
-        });
+        let lateness = |row: usize| (row as f64, time[row] - due.at(row));
+        let earliest = (0..time.len() / window)
+            .filter_map(|part| (part * window..(part + 1) * window).map(lateness).min_by(|a, b| a.1.total_cmp(&b.1)));
         let earliest: Vec<(f64, f64)> = earliest.collect();
         late = earliest.iter().map(|(_, late)| *late).collect();
         if round + 1 < ROUNDS && earliest.len() >= FEWEST {

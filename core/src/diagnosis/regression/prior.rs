@@ -3,7 +3,7 @@
 //! Directions that the rows do not determine are taken from the description, all others stay as fitted. Most logs determine all that
 //! their own torque needs; held-out logs may need more, as where a joint stands elsewhere.
 
-use super::solution::{SINGULAR, Solved};
+use super::solution::{Independent, Solved};
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
 /// Standard deviations of the description above which a direction is not determined by the rows: an estimate that is off by ten times its
@@ -25,47 +25,67 @@ pub(crate) struct Described {
 }
 
 impl Solved {
-    /// The solution with what is `described` where the rows say nothing: the posterior mean in those principal directions in which the
-    /// standard deviation is many times that of the description. The description counts as a whole by a factor, and its deviations by another, as
-    /// the factors that the rows determine show: bodies may be described twice too heavy.
+    /// The solution with what is `described` where the rows say nothing: the posterior mean along those combinations of described factors
+    /// whose standard deviation by the rows is many times that of the description. The combinations are those along which both are independent
+    /// (the generalised eigenvectors of the two covariances), with every other factor fitted anew. The description counts as a whole by
+    /// a factor, and its deviations by another, as the factors that the rows determine show: bodies may be described twice too heavy.
     pub(crate) fn with_described(mut self, described: &[Described]) -> Solved {
         let [scale, spread] = self.sizes(described);
-        let count = self.values.len();
-        let (mut mean, mut precision) = (DVector::zeros(count), DVector::zeros(count));
-        for one in described {
-            mean[one.place] = scale * one.value * self.norms[one.place];
-            precision[one.place] = (spread * one.std * self.norms[one.place]).powi(-2);
-        }
-        let known = |k: usize| if self.variances[k] > 0.0 { 1.0 / self.variances[k] } else { 0.0 };
-        let described = self.directions.map(|part| part * part).tr_mul(&precision);
-        let open: Vec<usize> = (0..count).filter(|&k| UNDETERMINED.powi(2) * known(k) < described[k]).collect();
-        if open.is_empty() {
+        let places: Vec<usize> = described.iter().map(|one| one.place).collect();
+        let others: Vec<usize> = (0..self.values.len()).filter(|place| !places.contains(place)).collect();
+        let stds = DVector::from_iterator(
+            described.len(),
+            described.iter().map(|one| spread * one.std * self.norms[one.place]),
+        );
+        let information = self.information();
+        // Factors of all others where one of a described factor is one standard deviation of its description.
+        let unit = DMatrix::from_diagonal(&stds);
+        let mixed = information.select_rows(&others).select_columns(&places) * &unit;
+        let rest = Independent::of(information.select_rows(&others).select_columns(&others));
+        let answer = -rest.times(&mixed);
+        let own = &unit * information.select_rows(&places).select_columns(&places) * &unit + mixed.tr_mul(&answer);
+        if own.is_empty() {
             return self;
         }
-        let fitted = DVector::from_fn(count, |place, _| self.values[place] * self.norms[place]);
-        let directions = self.directions.select_columns(&open);
-        let along = directions.tr_mul(&fitted);
-        let rest = &fitted - &directions * &along;
-        let weighed = DMatrix::from_fn(count, open.len(), |place, k| precision[place] * directions[(place, k)]);
-        let mut weight = directions.tr_mul(&weighed);
-        let mut right = weighed.tr_mul(&(mean - rest));
-        for (row, &k) in open.iter().enumerate() {
-            weight[(row, row)] += known(k);
-            right[row] += known(k) * along[row];
+        let SymmetricEigen { eigenvectors, eigenvalues } = SymmetricEigen::new(own);
+        let is_open = |k: usize| UNDETERMINED.powi(2) * eigenvalues[k].max(0.0) < 1.0;
+        if !(0..eigenvalues.len()).any(is_open) {
+            return self;
         }
-        // Factors that neither knows, as the friction of a joint that stands, stay.
-        let SymmetricEigen { eigenvectors, eigenvalues } = SymmetricEigen::new(weight.clone());
-        let least = SINGULAR * eigenvalues.max();
-        let inverse = eigenvalues.map(|value| if value > least { 1.0 / value } else { 0.0 });
-        let step = right - &weight * &along;
-        let moved = directions * (&eigenvectors * eigenvectors.tr_mul(&step).component_mul(&inverse));
-        for (place, value) in self.values.iter_mut().enumerate() {
-            *value += moved[place] / self.norms[place];
+        let apart = |one: &Described| (scale * one.value - self.values[one.place]) / (spread * one.std);
+        let apart = DVector::from_iterator(described.len(), described.iter().map(apart));
+        let known = |k: usize| eigenvalues[k].max(0.0);
+        let along = DVector::from_fn(eigenvalues.len(), |k, _| {
+            if is_open(k) { eigenvectors.column(k).dot(&apart) / (1.0 + known(k)) } else { 0.0 }
+        });
+        let to_all = |own: &DMatrix<f64>| {
+            let (described, fitted) = (&unit * own, &answer * own);
+            let mut all = DMatrix::zeros(self.values.len(), own.ncols());
+            places.iter().enumerate().for_each(|(k, &place)| all.set_row(place, &described.row(k)));
+            others.iter().enumerate().for_each(|(k, &place)| all.set_row(place, &fitted.row(k)));
+            all
+        };
+        let moved = to_all(&DMatrix::from_column_slice(along.len(), 1, (&eigenvectors * &along).as_slice()));
+        let combinations = to_all(&eigenvectors);
+        let count = self.values.len();
+        let mut directions = DMatrix::zeros(count, count);
+        directions.columns_mut(0, places.len()).copy_from(&combinations);
+        for (row, &place) in others.iter().enumerate() {
+            directions.view_mut((place, places.len()), (1, others.len())).copy_from(&rest.directions.row(row));
         }
-        for &k in &open {
-            self.expected[k] = 1.0 / (known(k) + described[k]);
-        }
+        let of_combination = |k: usize| 1.0 / (known(k) + if is_open(k) { 1.0 } else { 0.0 });
+        let variances = (0..places.len()).map(of_combination).chain(rest.variances.iter().copied());
+        self.expected = Independent { directions, variances: DVector::from_iterator(count, variances) };
+        self.values.iter_mut().enumerate().for_each(|(place, value)| *value += moved[place] / self.norms[place]);
         self
+    }
+
+    /// The normal matrix of columns of unit length, without what does not determine anything.
+    fn information(&self) -> DMatrix<f64> {
+        let Independent { directions, variances } = &self.by_rows;
+        let roots = variances.map(|variance| if variance > 0.0 { variance.sqrt().recip() } else { 0.0 });
+        let scaled = directions * DMatrix::from_diagonal(&roots);
+        &scaled * scaled.transpose()
     }
 
     /// The factor on the values described that brings them next to those that the rows determine better than the description, and the root
@@ -98,7 +118,7 @@ mod tests {
         solve(&[axis(0), axis(1), axis(2), axis(2)], &torque)
     }
 
-    fn described(values: [f64; 4]) -> Vec<Described> {
+    fn described(values: &[f64]) -> Vec<Described> {
         let of = |(place, &value): (usize, &f64)| Described { place, value, std: 2.0 };
         values.iter().enumerate().map(of).collect()
     }
@@ -107,7 +127,7 @@ mod tests {
     fn what_the_rows_leave_open_is_as_described() {
         let plain = solved([1.0, 2.0, 3.0]);
         assert!((plain.values[2] - 1.5).abs() < 1e-9 && plain.std(3) == f64::INFINITY);
-        let with = plain.clone().with_described(&described([1.0, 2.0, 3.5, -0.5]));
+        let with = plain.clone().with_described(&described(&[1.0, 2.0, 3.5, -0.5]));
         let expected = [1.0, 2.0, 3.5, -0.5];
         assert!(with.values.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-6), "{:?}", with.values);
         // The rows say what they said before; a prediction rests on the description too.
@@ -125,15 +145,27 @@ mod tests {
         let axis = |k: usize| Column::on(0, (0..4).map(|row| if row == k && k < 2 { 100.0 } else { 0.0 }).collect());
         let columns: Vec<Column> = (0..4).map(axis).collect();
         let plain = solve(&columns, &Column::on(0, vec![100.0, 200.0, 0.0, 0.0]));
-        let with = plain.with_described(&described([1.0, 2.0, 3.0, 0.0])[..3]);
+        let with = plain.with_described(&described(&[1.0, 2.0, 3.0, 0.0])[..3]);
         let expected = [1.0, 2.0, 3.0, 0.0];
         assert!(with.values.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-9), "{:?}", with.values);
     }
 
     #[test]
+    fn a_factor_too_small_to_be_seen_leaves_those_it_resembles_as_fitted() {
+        // The third is described as a thousandth, which no row shows, and its column is nearly that of the second.
+        let columns = [vec![100.0, 0.0, 0.0], vec![0.0, 100.0, 0.0], vec![0.0, 100.0, 1.0]].map(|v| Column::on(0, v));
+        let plain = solve(&columns, &Column::on(0, vec![100.0, 200.0, 0.5]));
+        assert!((plain.values[2] - 0.5).abs() < 1e-6 && (plain.values[1] - 1.5).abs() < 1e-6);
+        let small = Described { place: 2, value: 0.0, std: 1e-3 };
+        let with = plain.with_described(&[&described(&[5.0, -5.0])[..], &[small]].concat());
+        let expected = [1.0, 2.0, 0.0];
+        assert!(with.values.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-4), "{:?}", with.values);
+    }
+
+    #[test]
     fn what_the_rows_determine_stays() {
         let plain = solved([1.0, 2.0, 3.0]);
-        let with = plain.clone().with_described(&described([5.0, -5.0, 3.0, 0.0]));
+        let with = plain.clone().with_described(&described(&[5.0, -5.0, 3.0, 0.0]));
         assert!((with.values[0] - 1.0).abs() < 1e-12 && (with.values[1] - 2.0).abs() < 1e-12);
         assert_eq!(plain.clone().with_described(&[]).values, plain.values);
     }
@@ -145,8 +177,8 @@ mod tests {
             .collect();
         let plain = solve(&columns, &Column::on(0, vec![100.0, 200.0, 300.0, 0.0]));
         let last = |solved: Solved| solved.values[3];
-        assert!((last(plain.clone().with_described(&described([2.0, 4.0, 6.0, 8.0]))) - 4.0).abs() < 1e-9);
+        assert!((last(plain.clone().with_described(&described(&[2.0, 4.0, 6.0, 8.0]))) - 4.0).abs() < 1e-9);
         // Too few are determined to tell.
-        assert!((last(plain.with_described(&described([2.0, 4.0, 6.0, 8.0])[2..])) - 8.0).abs() < 1e-9);
+        assert!((last(plain.with_described(&described(&[2.0, 4.0, 6.0, 8.0])[2..])) - 8.0).abs() < 1e-9);
     }
 }

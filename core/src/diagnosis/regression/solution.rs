@@ -20,12 +20,39 @@ pub(crate) struct Solved {
     pub values: Vec<f64>,
     /// Lengths of the columns.
     pub(super) norms: Vec<f64>,
-    /// Principal directions of the factors of columns of unit length.
-    pub(super) directions: DMatrix<f64>,
-    /// Variances along these by the rows alone; zero where these do not determine them.
-    pub(super) variances: DVector<f64>,
-    /// Variances along these of what is expected, by the description too; zero where that does not determine them either.
-    pub(super) expected: DVector<f64>,
+    /// Covariance by the rows alone.
+    pub(super) by_rows: Independent,
+    /// Covariance of what is expected, by the description too.
+    pub(super) expected: Independent,
+}
+
+/// The covariance of the factors of columns of unit length, as directions along which errors are independent.
+#[derive(Debug, Clone)]
+pub(super) struct Independent {
+    /// `[factor][direction]`.
+    pub directions: DMatrix<f64>,
+    /// Variances along these; zero where nothing determines them.
+    pub variances: DVector<f64>,
+}
+
+impl Independent {
+    /// Principal directions of a normal matrix; eigenvalues below [`SINGULAR`] of the largest determine nothing.
+    pub(super) fn of(normal: DMatrix<f64>) -> Independent {
+        if normal.is_empty() {
+            return Independent { directions: normal, variances: DVector::zeros(0) };
+        }
+        let SymmetricEigen { eigenvectors, eigenvalues } = SymmetricEigen::new(normal);
+        let least = SINGULAR * eigenvalues.max();
+        let variances = eigenvalues.map(|value| if value > least { 1.0 / value } else { 0.0 });
+        Independent { directions: eigenvectors, variances }
+    }
+
+    /// The covariance times `right`.
+    pub(super) fn times(&self, right: &DMatrix<f64>) -> DMatrix<f64> {
+        let mut along = self.directions.tr_mul(right);
+        along.column_iter_mut().for_each(|mut column| column.component_mul_assign(&self.variances));
+        &self.directions * along
+    }
 }
 
 /// Fits whitened torque by whitened columns; directions that the rows do not determine stay at zero.
@@ -43,28 +70,25 @@ pub(crate) fn solve_normal(mut normal: DMatrix<f64>, mut right: DVector<f64>) ->
         }
     }
     right.iter_mut().zip(&norms).for_each(|(value, norm)| *value /= norm);
-    // Differences from before a change have no baseline.
-    if norms.is_empty() {
-        return Solved { values: Vec::new(), norms, directions: normal, expected: right.clone(), variances: right };
-    }
-    let SymmetricEigen { eigenvectors: directions, eigenvalues } = SymmetricEigen::new(normal);
-    let least = SINGULAR * eigenvalues.max();
-    let variances = eigenvalues.map(|value| if value > least { 1.0 / value } else { 0.0 });
-    let values = &directions * directions.tr_mul(&right).component_mul(&variances);
+    // Differences from before a change have no baseline: nothing is fitted there.
+    let by_rows = Independent::of(normal);
+    let Independent { directions, variances } = &by_rows;
+    let values = directions * directions.tr_mul(&right).component_mul(variances);
     let values = values.iter().zip(&norms).map(|(value, norm)| value / norm).collect();
-    Solved { values, norms, directions, expected: variances.clone(), variances }
+    Solved { values, norms, expected: by_rows.clone(), by_rows }
 }
 
 impl Solved {
     /// Standard deviation of a linear function of the factors, whose slopes are not zero at these places only; infinite where the
     /// rows do not separate it from other columns.
     pub(crate) fn deviation(&self, slopes: &[(usize, f64)]) -> f64 {
-        let mut along = DVector::zeros(self.variances.len());
+        let Independent { directions, variances } = &self.by_rows;
+        let mut along = DVector::zeros(variances.len());
         for &(place, slope) in slopes {
-            along += self.directions.row(place).transpose() * (slope / self.norms[place]);
+            along += directions.row(place).transpose() * (slope / self.norms[place]);
         }
         let (mut determined, mut open) = (0.0, 0.0);
-        for (part, variance) in along.iter().zip(&self.variances) {
+        for (part, variance) in along.iter().zip(variances) {
             determined += part * part * variance;
             open += if *variance == 0.0 { part * part } else { 0.0 };
         }
@@ -75,15 +99,14 @@ impl Solved {
     /// predict there with these factors; infinite where that rests on directions that neither the rows nor the description determine.
     pub(crate) fn prediction_std(&self, columns: &[Column], valid: &[Vec<bool>]) -> Vec<f64> {
         let of_joint = |(joint, valid): (usize, &Vec<bool>)| {
-            let along = self.along(columns, joint, valid);
-            let squares = (0..along.ncols()).map(|k| along.column(k).norm_squared());
+            let Along { squares, all, rows } = self.along(columns, joint, valid);
             let (mut determined, mut open) = (0.0, 0.0);
-            for (square, variance) in squares.zip(&self.expected) {
+            for (square, variance) in squares.iter().zip(&self.expected.variances) {
                 determined += square * variance;
-                open += if *variance == 0.0 { square } else { 0.0 };
+                open += if *variance == 0.0 { *square } else { 0.0 };
             }
-            let mean = (determined / along.nrows().max(1) as f64).sqrt();
-            if open > UNDETERMINED * along.norm_squared() { f64::INFINITY } else { mean }
+            let mean = (determined / rows.max(1) as f64).sqrt();
+            if open > UNDETERMINED * all { f64::INFINITY } else { mean }
         };
         valid.iter().enumerate().map(of_joint).collect()
     }
@@ -97,42 +120,55 @@ impl Solved {
         valid: &[Vec<bool>],
         limit: &[f64],
     ) -> Vec<(Vec<f64>, f64)> {
-        let shares: Vec<(DMatrix<f64>, f64)> =
+        let shares: Vec<(Along, f64)> =
             (0..valid.len()).map(|joint| (self.along(columns, joint, &valid[joint]), limit[joint])).collect();
-        let most = self.expected.max();
+        let Independent { directions, variances } = &self.expected;
+        let most = variances.max();
         let matters = |k: usize| {
-            let (variance, spread) = match self.expected[k] {
+            let (variance, spread) = match variances[k] {
                 0.0 => (most, f64::INFINITY),
                 variance => (variance, 1.0),
             };
-            let exceeds = |(along, limit): &(DMatrix<f64>, f64)| {
-                let square = along.column(k).norm_squared();
-                let is_open = spread == 1.0 || square > UNDETERMINED * along.norm_squared();
-                is_open && (square * variance / along.nrows().max(1) as f64).sqrt() > *limit
+            let exceeds = |(along, limit): &(Along, f64)| {
+                let square = along.squares[k];
+                let is_open = spread == 1.0 || square > UNDETERMINED * along.all;
+                is_open && (square * variance / along.rows.max(1) as f64).sqrt() > *limit
             };
             shares.iter().any(exceeds).then(|| {
-                let factor = |place: usize| self.directions[(place, k)] * variance.sqrt() / self.norms[place];
+                let factor = |place: usize| directions[(place, k)] * variance.sqrt() / self.norms[place];
                 ((0..columns.len()).map(factor).collect(), spread)
             })
         };
-        (0..self.expected.len()).filter_map(matters).collect()
+        (0..variances.len()).filter_map(matters).collect()
     }
 
-    /// Torque of a joint along the principal directions, by the first `columns`, on the valid rows, `[row][direction]`.
-    fn along(&self, columns: &[Column], joint: usize, valid: &[bool]) -> DMatrix<f64> {
+    /// What the first `columns` make of the directions of the errors that are expected, on the valid rows of a joint.
+    fn along(&self, columns: &[Column], joint: usize, valid: &[bool]) -> Along {
         let rows: Vec<usize> = (0..valid.len()).filter(|&row| valid[row]).collect();
-        let mut along = DMatrix::zeros(rows.len(), columns.len());
+        let mut own = DMatrix::zeros(rows.len(), columns.len());
         for (place, column) in columns.iter().enumerate() {
             let Some(values) = column.part(joint) else { continue };
-            rows.iter().enumerate().for_each(|(k, &row)| along[(k, place)] = values[row] / self.norms[place]);
+            rows.iter().enumerate().for_each(|(k, &row)| own[(k, place)] = values[row] / self.norms[place]);
         }
-        along * self.directions.rows(0, columns.len())
+        let along = &own * self.expected.directions.rows(0, columns.len());
+        let squares = along.column_iter().map(|column| column.norm_squared()).collect();
+        Along { squares, all: own.norm_squared(), rows: rows.len() }
     }
 
     /// Standard deviation of a factor.
     pub(crate) fn std(&self, place: usize) -> f64 {
         self.deviation(&[(place, 1.0)])
     }
+}
+
+/// Torque of a joint on its valid rows, N m, by errors of the factors of columns of unit length.
+struct Along {
+    /// Sum of squares of what one unit of each direction of the errors makes.
+    squares: Vec<f64>,
+    /// Sum of squares of what one unit of each factor makes.
+    all: f64,
+    /// Number of valid rows.
+    rows: usize,
 }
 
 /// Normal equations of a fit joint by joint, so that each joint's rows can be weighed anew without going through them again.

@@ -49,6 +49,11 @@ pub(crate) fn acts_upon_arm(effect: &dyn Effect) -> bool {
     !adds_inertia && (about.site != Site::Joint || about.uses_acceleration)
 }
 
+/// Whether the torque of an effect depends on the arm as found, the rounding of the sign of its friction included.
+pub(crate) fn depends_on_rounding(effect: &dyn Effect) -> bool {
+    effect.about().dry || acts_upon_arm(effect)
+}
+
 /// Whether an effect shifts or spreads torque in time.
 pub(crate) fn is_shift(effect: &dyn Effect) -> bool {
     matches!(effect.about().nature, Nature::Lag | Nature::Delay)

@@ -4,10 +4,12 @@ use super::found::{Found, members};
 use crate::diagnosis::Options;
 use crate::diagnosis::evidence::Scan;
 use crate::diagnosis::model::{
-    ArmModel, Candidate, Member, PreparedLogs, Session, acts_upon_arm, all_candidates, carried_on, renewed,
+    ArmModel, Candidate, Member, PreparedLogs, Session, acts_upon_arm, all_candidates, carried_on, depends_on_rounding,
+    renewed,
 };
 use crate::diagnosis::noise::Whitener;
 use crate::diagnosis::regression::Projection;
+use crate::effects::Effect;
 use crate::error::Result;
 
 /// Most fits of a model whose columns depend on the arm as found. Of a gain of 0.3 the first finds 0.23, the second 0.299.
@@ -52,7 +54,7 @@ impl Round {
         let PreparedLogs { train, test, .. } = &session.logs;
         let later = &test.rows;
         let carried_on = carried_on(candidates, &session.model.arm, train.rows.len() - later.len(), later)?;
-        Self::renewed(session, whitener, fit, carried_on, options)
+        Self::renewed(session, (whitener, fit), carried_on, options, acts_upon_arm)
     }
 
     /// The same again after more was found.
@@ -62,19 +64,30 @@ impl Round {
     pub(super) fn next(self, session: &mut Session, found: &mut [Found], options: &Options) -> Result<Self> {
         let (whitener, fit) = settled(session, found)?;
         drop(self.scan);
-        Self::renewed(session, whitener, fit, self.all, options)
+        Self::renewed(session, (whitener, fit), self.all, options, acts_upon_arm)
     }
 
-    /// With the candidates for the arm as estimated.
+    /// The same where the sign of friction is rounded otherwise since.
+    ///
+    /// # Errors
+    /// If a log is too short to differentiate.
+    pub(super) fn rounded_anew(self, session: &mut Session, found: &mut [Found], options: &Options) -> Result<Self> {
+        let (whitener, fit) = settled(session, found)?;
+        drop(self.scan);
+        Self::renewed(session, (whitener, fit), self.all, options, depends_on_rounding)
+    }
+
+    /// With what `depends` on the arm as estimated worked out anew.
     fn renewed(
         session: &Session,
-        whitener: Whitener,
-        fit: Projection,
+        (whitener, fit): (Whitener, Projection),
         candidates: Vec<Candidate>,
         options: &Options,
+        depends: fn(&dyn Effect) -> bool,
     ) -> Result<Self> {
         let ArmModel { arm, trust, .. } = &session.model;
-        let all = renewed(candidates, arm, &session.logs.train.rows, *trust, &options.candidates)?;
+        let asked = (*trust, &options.candidates[..]);
+        let all = renewed(candidates, arm, &session.logs.train.rows, asked, depends)?;
         Ok(Self::of(session, whitener, fit, all))
     }
 

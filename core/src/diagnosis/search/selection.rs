@@ -219,7 +219,7 @@ fn after_one_more(session: &mut Session, found: &mut [Found], round: Round, opti
     }
     let is_rounded = |joint: &usize| session.model.arm.coulomb_rounding[*joint].width() > 0.0;
     if last.candidate.joints().iter().any(is_rounded) && session.round_again(&members)? {
-        return Round::first(session, found, options);
+        return round.rounded_anew(session, found, options);
     }
     round.next(session, found, options)
 }

@@ -219,7 +219,7 @@ pub(crate) fn carried_on(
     Ok(candidates)
 }
 
-/// The same candidates for the arm as found since.
+/// The same candidates for the arm as found since, where what `depends` on that is worked out anew.
 ///
 /// # Errors
 /// If a log is too short to differentiate.
@@ -227,11 +227,11 @@ pub(crate) fn renewed(
     mut candidates: Vec<Candidate>,
     arm: &Arm,
     rows: &Rows,
-    trust: Trust,
-    only: &[String],
+    (trust, only): (Trust, &[String]),
+    depends: fn(&dyn Effect) -> bool,
 ) -> Result<Vec<Candidate>> {
-    candidates.retain(|candidate| !acts_upon_arm(candidate.placed.effect));
-    candidates.extend(throughout(arm, rows, wanted(rows, trust, only).filter(|effect| acts_upon_arm(*effect)))?);
+    candidates.retain(|candidate| !depends(candidate.placed.effect));
+    candidates.extend(throughout(arm, rows, wanted(rows, trust, only).filter(|effect| depends(*effect)))?);
     Ok(candidates)
 }
 
@@ -283,7 +283,11 @@ pub fn places(effect: &dyn Effect, robot: &Robot) -> Vec<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::effects::find;
+    use crate::diagnosis::logs::FEWEST_ROWS;
+    use crate::diagnosis::model::depends_on_rounding;
+    use crate::diagnosis::test_logs::log;
+    use crate::effects::{Rounding, find};
+    use crate::robot::{InertiaCheck, load};
 
     #[test]
     fn what_base_parameters_hide_takes_trusted_inertias() {
@@ -293,6 +297,27 @@ mod tests {
         assert!(is_candidate(find("torque_gain").unwrap(), Trust::Structure, &[]));
         assert!(!is_candidate(payload, Trust::Nominal, &["backlash".into()]));
         assert!(!is_candidate(find("coulomb_friction").unwrap(), Trust::Nominal, &[]));
+    }
+
+    /// Law over the library: what is not worked out anew where friction is rounded otherwise does not change there.
+    #[test]
+    fn only_what_depends_on_the_rounding_changes_with_it() {
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../urdf/irb1600_6_120.urdf");
+        let robot = load(path, InertiaCheck::Required).unwrap();
+        let mut arm = Arm::new(&robot, Trust::Nominal);
+        let log = log(&arm, 1);
+        let rows = Rows::new(&[&log], 20.0, FEWEST_ROWS).unwrap();
+        let placed: Vec<Placed> = LIBRARY.iter().map(|effect| Placed::typical(*effect, 0)).collect();
+        let mut rounded = |rounding: Rounding| {
+            arm.coulomb_rounding.fill(rounding);
+            columns(&arm, &rows, &placed).unwrap()
+        };
+        let (sharp, wide) = (rounded(Rounding::Sharp), rounded(Rounding::Tanh(0.1)));
+        for ((one, sharp), wide) in placed.iter().zip(&sharp).zip(&wide) {
+            let name = one.effect.about().name;
+            assert!(sharp == wide || depends_on_rounding(one.effect), "{name}");
+            assert!(sharp != wide || !one.effect.about().dry, "{name}");
+        }
     }
 
     #[test]

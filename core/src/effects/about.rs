@@ -147,9 +147,11 @@ pub struct About {
     pub site: Site,
     /// Where it can be placed.
     pub scope: Scope,
-    /// Whether its torque jumps with the direction of motion at its joint, so that the joint can stick.
+    /// Whether its torque jumps with the direction of motion at its joint, so that the joint can stick. No other law may ask for
+    /// [`Instant::direction`](super::Instant::direction).
     pub dry: bool,
-    /// Whether its torque depends on [`Instant::qdd`](super::Instant::qdd) or [`Instant::load`](super::Instant::load).
+    /// Whether its torque depends on [`Instant::qdd`](super::Instant::qdd) or [`Instant::load`](super::Instant::load); no other law
+    /// may ask for the load.
     pub uses_acceleration: bool,
     /// What sets it apart from most laws when it is looked for in logs.
     pub nature: Nature,

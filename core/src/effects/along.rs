@@ -1,9 +1,11 @@
 //! An effect along a motion that is known: the model's side of the law.
 
-use super::{Instant, Placed, Rounding, Scope};
+use super::by_sample::{BySample, Turned};
+use super::{About, Instant, Placed, Rounding, Scope};
 use crate::channels::Channels;
 use crate::dynamics::{Chain, Motion, inverse_dynamics};
 use crate::robot::{Pose, Robot};
+use std::borrow::Cow;
 use std::sync::OnceLock;
 
 /// A known motion with all that laws may ask about it.
@@ -34,10 +36,16 @@ pub struct Along<'a> {
     pub time: &'a [f64],
     /// The motion.
     pub motion: &'a Motion,
-    /// Direction of motion of every joint.
-    direction: Channels,
+    /// How the sign of each joint's velocity is rounded.
+    rounding: Vec<Rounding>,
+    /// The motion sample by sample, worked out when a law asks for it.
+    by_sample: OnceLock<Cow<'a, BySample>>,
+    /// Direction of motion of every joint, sample by sample, worked out when a law asks for it.
+    direction: OnceLock<Turned>,
     /// Torque on the rigid bodies, worked out when a law asks for it.
     load: OnceLock<Channels>,
+    /// The same sample by sample.
+    load_by_sample: OnceLock<Turned>,
 }
 
 impl<'a> Along<'a> {
@@ -54,12 +62,15 @@ impl<'a> Along<'a> {
         motion: &'a Motion,
         rounding: &[Rounding],
     ) -> Self {
-        let turned = |joint: usize, signal: &[f64]| {
-            let accelerations = motion.qdd.channel(joint);
-            signal.iter().zip(accelerations).map(|(&v, &a)| rounding[joint].direction(v, a)).collect()
-        };
-        let heading = motion.qd.map(turned);
-        Along { robot, chain, time, motion, direction: heading, load: OnceLock::new() }
+        let rounding = rounding.to_vec();
+        let [direction, load_by_sample] = [(); 2].map(|()| OnceLock::new());
+        let (by_sample, load) = (OnceLock::new(), OnceLock::new());
+        Along { robot, chain, time, motion, rounding, by_sample, direction, load, load_by_sample }
+    }
+
+    /// With its motion sample by sample, where that is known already.
+    pub(crate) fn with_samples(self, known: &'a BySample) -> Self {
+        Along { by_sample: Cow::Borrowed(known).into(), ..self }
     }
 
     /// Number of samples.
@@ -70,6 +81,44 @@ impl<'a> Along<'a> {
     /// Torque on the rigid bodies, `[joint][time]`.
     pub fn load(&self) -> &Channels {
         self.load.get_or_init(|| inverse_dynamics(self.chain, &self.robot.inertial_parameters(), self.motion))
+    }
+
+    fn by_sample(&self) -> &BySample {
+        self.by_sample.get_or_init(|| Cow::Owned(BySample::of(self.motion)))
+    }
+
+    fn load_by_sample(&self) -> &Turned {
+        self.load_by_sample.get_or_init(|| Turned::of(self.load()))
+    }
+
+    fn direction(&self) -> &Turned {
+        self.direction.get_or_init(|| {
+            let turned = |joint: usize, signal: &[f64]| {
+                let accelerations = self.motion.qdd.channel(joint);
+                signal.iter().zip(accelerations).map(|(&v, &a)| self.rounding[joint].direction(v, a)).collect()
+            };
+            Turned::of(&self.motion.qd.map(turned))
+        })
+    }
+
+    /// What laws may ask about each sample: those of a law with friction (`dry`) the direction of motion, those of one that
+    /// uses accelerations the load.
+    fn instants<'s>(&'s self, about: &About) -> impl Fn(usize) -> Instant<'s> + use<'s, 'a> {
+        let BySample { q, qd, qdd } = self.by_sample();
+        let direction = about.dry.then(|| self.direction());
+        let load = about.uses_acceleration.then(|| self.load_by_sample());
+        move |sample| Instant {
+            t: self.time[sample],
+            started: self.time[0],
+            q: q.at(sample),
+            qd: qd.at(sample),
+            qdd: qdd.at(sample),
+            direction: direction.map_or(&[], |direction| direction.at(sample)),
+            load: load.map_or(&[], |load| load.at(sample)),
+            robot: self.robot,
+            chain: self.chain,
+            frames: None,
+        }
     }
 }
 
@@ -137,51 +186,44 @@ pub fn direction(velocity: f64, width: f64) -> f64 {
 /// Torque that each placed effect adds along a motion: its law at the joints, and what the bodies it alters need more. Effects
 /// in gears and sensors add nothing here.
 pub fn contributions(placed: &[Placed], along: &Along) -> Vec<Contribution> {
-    let (dof, samples) = (along.robot.dof(), along.samples());
-    let needs_load = placed.iter().any(|one| one.effect.about().uses_acceleration);
-    let mut torques: Vec<Contribution> = placed.iter().map(|one| altered_bodies(one, along)).collect();
-    let mut memories: Vec<Vec<f64>> = placed.iter().map(|one| vec![0.0; one.effect.memory()]).collect();
-    // Most laws act on one joint: the others need not be looked at, sample by sample.
-    let only = |one: &Placed| (one.effect.about().scope == Scope::Joint).then_some(one.joint);
-    let reach: Vec<Option<usize>> = placed.iter().map(only).collect();
-    let remembers = memories.iter().any(|memory| !memory.is_empty());
+    // Poses are the same for all laws that ask for them.
     let needs_frames = placed.iter().any(|one| one.effect.uses_frames());
-    let acting = placed.iter().map(|one| one.effect.acts_between(&one.parameters));
-    let [from, to] =
-        acting.fold([f64::INFINITY, f64::NEG_INFINITY], |all, own| [all[0].min(own[0]), all[1].max(own[1])]);
-    let (mut now, mut last) = (Frame::new(dof), Frame::new(dof));
-    let mut out = vec![0.0; dof];
+    let mut frames: Vec<Option<Vec<Pose>>> = vec![None; if needs_frames { along.samples() } else { 0 }];
+    placed.iter().map(|one| of_law(one, along, &mut frames)).collect()
+}
+
+/// Torque of one; `frames` are poses of the samples at which a law asked for them, of none where no law asks.
+fn of_law(placed: &Placed, along: &Along, frames: &mut [Option<Vec<Pose>>]) -> Contribution {
+    let Placed { effect, joint, parameters } = placed;
+    let (about, dof, samples) = (effect.about(), along.robot.dof(), along.samples());
+    let mut torque = altered_bodies(placed, along);
+    let mut memory = vec![0.0; effect.memory()];
+    // Most laws act on one joint: the others need not be looked at, sample by sample.
+    let channels = if about.scope == Scope::Joint { *joint..joint + 1 } else { 0..dof };
+    let [from, to] = effect.acts_between(parameters);
+    let instants = along.instants(about);
+    let (mut mean, mut out) = (Mean::new(dof), vec![0.0; dof]);
     for sample in 0..samples {
-        if !remembers && !(from..=to).contains(&along.time[sample]) {
+        let mut instant = instants(sample);
+        if !memory.is_empty() && sample > 0 {
+            let last = instants(sample - 1);
+            effect.advance(parameters, *joint, &mean.of(&last, &instant), instant.t - last.t, &mut memory);
+        }
+        if memory.is_empty() && !(from..=to).contains(&instant.t) {
             continue;
         }
-        if remembers {
-            std::mem::swap(&mut now, &mut last);
+        if effect.uses_frames() {
+            instant.frames = Some(frames[sample].get_or_insert_with(|| along.robot.frames(instant.q)));
         }
-        now.gather(along, sample, needs_load);
-        if needs_frames {
-            now.frames = Some(along.robot.frames(&now.q));
-        }
-        if remembers && sample > 0 {
-            let dt = along.time[sample] - along.time[sample - 1];
-            let mean = last.mean(&now);
-            for (one, memory) in placed.iter().zip(&mut memories) {
-                one.effect.advance(&one.parameters, one.joint, &mean.instant(along), dt, memory);
-            }
-        }
-        let instant = now.instant(along);
-        for (((one, memory), torque), reach) in placed.iter().zip(&memories).zip(&mut torques).zip(&reach) {
-            let channels = reach.map_or(0..dof, |joint| joint..joint + 1);
-            out[channels.clone()].fill(0.0);
-            one.effect.torque(&one.parameters, one.joint, &instant, memory, &mut out);
-            for channel in channels {
-                if out[channel] != 0.0 {
-                    torque.on_mut(channel, samples)[sample] += out[channel];
-                }
+        out[channels.clone()].fill(0.0);
+        effect.torque(parameters, *joint, &instant, &memory, &mut out);
+        for channel in channels.clone() {
+            if out[channel] != 0.0 {
+                torque.on_mut(channel, samples)[sample] += out[channel];
             }
         }
     }
-    torques
+    torque
 }
 
 /// [`contributions`] of several effects together, `[joint][time]`.
@@ -216,69 +258,32 @@ fn altered_bodies(placed: &Placed, along: &Along) -> Contribution {
     torque.into()
 }
 
-/// One sample of everything, gathered from the channels.
-#[derive(Debug, Clone)]
-struct Frame {
-    t: f64,
+/// Half way between two instants.
+struct Mean {
     q: Vec<f64>,
     qd: Vec<f64>,
     qdd: Vec<f64>,
     direction: Vec<f64>,
     load: Vec<f64>,
-    /// Poses of the joint frames, where a law asks for them.
-    frames: Option<Vec<Pose>>,
 }
 
-impl Frame {
+impl Mean {
     fn new(dof: usize) -> Self {
-        let zeros = || vec![0.0; dof];
-        Frame { t: 0.0, q: zeros(), qd: zeros(), qdd: zeros(), direction: zeros(), load: zeros(), frames: None }
+        let [q, qd, qdd, direction, load] = [(); 5].map(|()| Vec::with_capacity(dof));
+        Mean { q, qd, qdd, direction, load }
     }
 
-    fn gather(&mut self, along: &Along, sample: usize, with_load: bool) {
-        self.t = along.time[sample];
-        for (values, channels) in [
-            (&mut self.q, &along.motion.q),
-            (&mut self.qd, &along.motion.qd),
-            (&mut self.qdd, &along.motion.qdd),
-            (&mut self.direction, &along.direction),
-        ] {
-            for (joint, value) in values.iter_mut().enumerate() {
-                *value = channels.channel(joint)[sample];
-            }
-        }
-        if with_load {
-            for (joint, value) in self.load.iter_mut().enumerate() {
-                *value = along.load().channel(joint)[sample];
-            }
-        }
-    }
-
-    fn mean(&self, other: &Frame) -> Frame {
-        let middle = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| 0.5 * (x + y)).collect();
-        Frame {
-            t: 0.5 * (self.t + other.t),
-            q: middle(&self.q, &other.q),
-            qd: middle(&self.qd, &other.qd),
-            qdd: middle(&self.qdd, &other.qdd),
-            direction: middle(&self.direction, &other.direction),
-            load: middle(&self.load, &other.load),
-            frames: None,
-        }
-    }
-
-    fn instant<'a>(&'a self, along: &'a Along) -> Instant<'a> {
-        Instant {
-            t: self.t,
-            started: along.time[0],
-            q: &self.q,
-            qd: &self.qd,
-            qdd: &self.qdd,
-            direction: &self.direction,
-            load: &self.load,
-            robot: along.robot,
-            chain: along.chain,
-            frames: self.frames.as_deref(),
-        }
+    fn of<'a>(&'a mut self, last: &Instant<'a>, now: &Instant<'a>) -> Instant<'a> {
+        let middle = |own: &mut Vec<f64>, a: &[f64], b: &[f64]| {
+            own.clear();
+            own.extend(a.iter().zip(b).map(|(a, b)| 0.5 * (b + a)));
+        };
+        middle(&mut self.q, last.q, now.q);
+        middle(&mut self.qd, last.qd, now.qd);
+        middle(&mut self.qdd, last.qdd, now.qdd);
+        middle(&mut self.direction, last.direction, now.direction);
+        middle(&mut self.load, last.load, now.load);
+        let Mean { q, qd, qdd, direction, load } = self;
+        Instant { t: 0.5 * (last.t + now.t), q, qd, qdd, direction, load, frames: None, ..*now }
     }
 }

@@ -40,9 +40,11 @@ pub struct Instant<'a> {
     pub qd: &'a [f64],
     /// Accelerations.
     pub qdd: &'a [f64],
-    /// Direction of motion in -1 ..= 1: the sign of the velocity, or of the imminent motion at standstill.
+    /// Direction of motion in -1 ..= 1: the sign of the velocity, or of the imminent motion at standstill. Empty along a log for laws
+    /// without friction ([`About::dry`](super::About::dry)).
     pub direction: &'a [f64],
-    /// Torque that the gear passes on to the rigid bodies: inverse dynamics without rotor and friction.
+    /// Torque that the gear passes on to the rigid bodies: inverse dynamics without rotor and friction. Empty along a log for laws
+    /// that use no acceleration.
     pub load: &'a [f64],
     /// The arm as it is known.
     pub robot: &'a Robot,

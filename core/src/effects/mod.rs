@@ -25,6 +25,7 @@
 mod about;
 mod along;
 mod bodies;
+mod by_sample;
 mod catalogue;
 mod encoder;
 mod friction;
@@ -47,6 +48,7 @@ pub(crate) use bodies::seen_from_parent;
 pub use bodies::{
     BaseTilt, ExternalContact, GravityBalancer, JointSpring, LinkInertiaError, OneSidedSpring, Payload, RotorInertia,
 };
+pub(crate) use by_sample::BySample;
 pub use catalogue::{LIBRARY, did_you_mean, find};
 pub(crate) use catalogue::{delay, play, wrong_inertia};
 pub(crate) use encoder::behind_encoder;

@@ -4,7 +4,7 @@ use super::cutoffs::{clear_of_noise, mostly_noise};
 use crate::channels::Channels;
 use crate::diagnosis::criteria::Levels;
 use crate::dynamics::Motion;
-use crate::effects::{Placed, behind_encoder, unsmoothed};
+use crate::effects::{BySample, Placed, behind_encoder, unsmoothed};
 use crate::error::Result;
 use crate::identification::low_passed::{ORDER, block, differentiated, low_passed};
 use crate::recording::Recording;
@@ -55,6 +55,8 @@ pub struct Log {
     unsmoothed: OnceLock<Motion>,
     /// [`Log::noise_from_hz`], once it has been computed.
     noise_from_hz: OnceLock<Vec<f64>>,
+    /// [`Log::by_sample`], once it has been worked out.
+    by_sample: OnceLock<BySample>,
 }
 
 impl Log {
@@ -95,7 +97,13 @@ impl Log {
             clear: OnceLock::new(),
             unsmoothed: OnceLock::new(),
             noise_from_hz: OnceLock::new(),
+            by_sample: OnceLock::new(),
         })
+    }
+
+    /// [`Log::motion`] sample by sample.
+    pub(crate) fn by_sample(&self) -> &BySample {
+        self.by_sample.get_or_init(|| BySample::of(&self.motion))
     }
 
     /// The motion where effects of the encoders are behind what these read, if they put errors into any position: errors are taken out

@@ -5,7 +5,7 @@ use crate::channels::Channels;
 use crate::diagnosis::logs::{Log, Rows};
 use crate::diagnosis::regression::Column;
 use crate::dynamics::{Motion, inverse_dynamics};
-use crate::effects::{Along, Contribution, Placed, Rounding, Scope, Site, behind_gears};
+use crate::effects::{Along, Contribution, Gear, Placed, Rounding, Scope, Site, behind_gears};
 use crate::error::Result;
 use crate::identification::effect_model::{Arm, Geared, Trust, law_sites, laws};
 use crate::identification::model::Model;
@@ -171,7 +171,9 @@ impl Arm {
         let asked: Vec<Site> = law_sites(placed).collect();
         let sites = rows.logs.par_iter().enumerate().map(|(k, log)| {
             let asked = asked.iter().filter(|_| acting.contains(&k));
-            asked.map(|site| (*site, self.laws_along(*site, &log.time, &log.motion))).collect()
+            asked
+                .map(|site| (*site, self.laws_along(*site, &log.time, &log.motion).with_samples(log.by_sample())))
+                .collect()
         });
         let sites: Vec<Vec<(Site, Along)>> = sites.collect();
         let batches = placed.par_chunks(BATCH).map(|batch| -> Result<Vec<Column>> {
@@ -194,12 +196,16 @@ impl Arm {
         sites: &[(Site, Along)],
         moved: Moved,
     ) -> Result<Vec<Contribution>> {
-        let (mut plain, mut to_move) = (None, None);
+        let (mut plain, mut carried, mut to_move) = (None, None, None);
         let mut all = Vec::with_capacity(batch.len());
         for (placed, done) in batch.iter().zip(laws(batch, sites)) {
-            let torque = match done {
-                Some(torque) => torque,
-                None => {
+            let torque = match (done, placed.effect.gear(&placed.parameters)) {
+                (Some(torque), _) => torque,
+                (None, Some(gear)) => {
+                    let carried = carried.get_or_insert_with(|| self.load(&log.motion));
+                    self.behind_gear(placed.joint, gear, log, carried)?.into()
+                }
+                (None, None) => {
                     let plain = plain.get_or_insert_with(|| self.torque(&log.motion, &log.motion));
                     if is_shift(placed.effect) && to_move.is_none() {
                         to_move = Some(self.torque_to_move(log, plain, moved)?);
@@ -243,17 +249,19 @@ impl Arm {
         }
     }
 
-    /// Change of the logged torque by an effect in a gear or a sensor.
+    /// Change of the torque that the gears carry, which is `carried` behind stiff ones, by one that gives way. Rotors and friction are on
+    /// the motors' side.
+    fn behind_gear(&self, joint: usize, gear: Gear, log: &Log, carried: &Channels) -> Result<Channels> {
+        let mut torque = self.load(&behind_gears(&self.geared(log), &[(joint, gear)])?);
+        torque.as_mut_slice().iter_mut().zip(carried.as_slice()).for_each(|(value, before)| *value -= before);
+        Ok(torque)
+    }
+
+    /// Change of the logged torque, which is `plain` without it, by an effect in a sensor.
     fn changed(&self, placed: &Placed, log: &Log, plain: &Channels) -> Result<Channels> {
-        let mut torque = match placed.effect.gear(&placed.parameters) {
-            Some(gear) => {
-                let link = behind_gears(&self.geared(log), &[(placed.joint, gear)])?;
-                self.torque(&log.motion, &link)
-            }
-            None => match log.behind_encoders(std::slice::from_ref(placed))? {
-                Some(motion) => self.torque(&motion, &motion),
-                None => plain.clone(),
-            },
+        let mut torque = match log.behind_encoders(std::slice::from_ref(placed))? {
+            Some(motion) => self.torque(&motion, &motion),
+            None => plain.clone(),
         };
         let joints = match placed.effect.about().scope {
             Scope::Arm => 0..torque.channels(),

@@ -43,9 +43,9 @@ pub(crate) fn lines(
     }));
     lines.extend(shown(robot, diagnosis).into_iter().map(|text| format!("Note: {text}.")));
     for found in &diagnosis.before {
-        let place = place(robot, found.member.candidate.family());
         lines.push(format!(
-            "Present before the change: {place}: {}",
+            "Present before the change: {}: {}",
+            names(robot, found),
             values(&finding(robot, found, &[], &diagnosis.scope.criteria.levels))
         ));
     }
@@ -187,6 +187,18 @@ fn fault_lines(faults: &[DataFault]) -> Vec<String> {
     lines
 }
 
+/// "stribeck_friction on joint_2", with the alternatives that the logs do not separate from it.
+fn names(robot: &Robot, found: &Found) -> String {
+    let families =
+        [found.member.candidate.family()].into_iter().chain(found.alternatives.iter().map(|other| other.family));
+    let names = families.map(|family| place(robot, family)).collect::<Vec<String>>().join(" or ");
+    if found.verdict != Verdict::Unexplained {
+        return names;
+    }
+    let why = found.withdrawn.map_or("explains a part only", |failed| failed.gate.reason());
+    format!("something similar to {names} (which {why})")
+}
+
 /// "joint_2 misses 4.8 N m, 9 % of its torque: stribeck_friction takes that to 0.76 N m (noise 0.75 N m)."
 fn missed(robot: &Robot, diagnosis: &Diagnosis, found: &Found) -> String {
     let [before, after] = &found.rms;
@@ -196,14 +208,7 @@ fn missed(robot: &Robot, diagnosis: &Diagnosis, found: &Found) -> String {
     let own = Some(found.member.placed.joints()).filter(|_| !found.member.placed.effect.is_body());
     let own = own.and_then(most).filter(|&joint| gained(joint) > 0.0);
     let joint = own.or_else(|| most(found.member.candidate.joints())).unwrap_or(0);
-    let mut names = place(robot, found.member.candidate.family());
-    for other in &found.alternatives {
-        names += &format!(" or {}", place(robot, other.family));
-    }
-    if found.verdict == Verdict::Unexplained {
-        let why = found.withdrawn.map_or("explains a part only", |failed| failed.gate.reason());
-        names = format!("something similar to {names} (which {why})");
-    }
+    let names = names(robot, found);
     let chance =
         if found.family_wise_p < SURE { "below 1e-12".to_owned() } else { format!("{:.0e}", found.family_wise_p) };
     if let Some(play) = &found.impacts {
@@ -254,7 +259,10 @@ fn of_guessed(robot: &Robot, family: Family) -> Option<String> {
 fn smaller(robot: &Robot, diagnosis: &Diagnosis) -> Option<String> {
     let count = diagnosis.minor.len();
     let all: Vec<f64> = (0..robot.dof())
-        .map(|joint| diagnosis.minor.iter().map(|minor| minor.size[joint].powi(2)).sum::<f64>().sqrt())
+        .map(|joint| {
+            let here = diagnosis.minor.iter().filter(|minor| minor.found.member.candidate.joints().contains(&joint));
+            here.map(|minor| minor.size[joint].powi(2)).sum::<f64>().sqrt()
+        })
         .collect();
     let joint = (0..all.len()).max_by(|&a, &b| all[a].total_cmp(&all[b])).filter(|_| count > 0)?;
     let is_small = diagnosis.minor.iter().all(|minor| minor.failed.gate == Gate::Size);
@@ -274,8 +282,9 @@ fn smaller(robot: &Robot, diagnosis: &Diagnosis) -> Option<String> {
         })
         .collect();
     let size = effort(&robot.joints[joint], all[joint]);
+    let together = if count == 1 { "" } else { "together " };
     Some(format!(
-        "- Not reported: {count} {effects}, together {size} on {}: {} (diagnosis.json lists all).",
+        "- Not reported: {count} {effects}, {together}{size} on {}: {} (diagnosis.json lists all).",
         robot.joints[joint].name,
         names.join("; ")
     ))
@@ -292,9 +301,9 @@ fn nearest(robot: &Robot, minor: &Minor, levels: &Levels) -> String {
     format!("; the nearest law is {name} ({}), no better than generic functions", values.join(", "))
 }
 
-/// The joint on which a smaller effect is largest over all joints, and its size there.
+/// The joint on which a smaller effect is largest over all joints on which it has torque, and its size there.
 pub(crate) fn largest(minor: &Minor) -> (usize, f64) {
-    let sizes = minor.size.iter().copied().enumerate();
+    let sizes = minor.found.member.candidate.joints().into_iter().map(|joint| (joint, minor.size[joint]));
     sizes.max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or_default()
 }
 

@@ -56,7 +56,7 @@ pub(super) fn found_that_matter(
     options: &Options,
     watch: &mut Watch,
 ) -> Result<(Selection, Vec<Minor>)> {
-    let selection = select(session, options, watch)?;
+    let selection = select(session, &[], options, watch)?;
     those_that_matter(session, selection, &[])
 }
 
@@ -103,12 +103,12 @@ pub(super) fn fit_to_the_end(session: &mut Session, found: &mut [Found], whitene
 }
 
 impl Searched {
-    /// Searches the logs of `session`.
+    /// Searches the logs of `session`, with effects that were found before in the model ([`select`]).
     ///
     /// # Errors
     /// If a log is too short to differentiate.
-    pub(super) fn new(session: &mut Session, options: &Options, watch: &mut Watch) -> Result<Self> {
-        let all = select(session, options, watch)?;
+    pub(super) fn new(session: &mut Session, given: &[Found], options: &Options, watch: &mut Watch) -> Result<Self> {
+        let all = select(session, given, options, watch)?;
         let (selection, mut minor) = those_that_matter(session, all, &[])?;
         let ended = watch.is_over();
         let (structure, map) = left(session, &selection, options, ended)?;

@@ -49,9 +49,9 @@ pub(crate) fn acts_upon_arm(effect: &dyn Effect) -> bool {
     !adds_inertia && (about.site != Site::Joint || about.uses_acceleration)
 }
 
-/// Whether the torque of an effect depends on the arm as found, the rounding of the sign of its friction included.
-pub(crate) fn depends_on_rounding(effect: &dyn Effect) -> bool {
-    effect.about().dry || acts_upon_arm(effect)
+/// Whether the torque of an effect at a joint depends on the arm as found, where friction is rounded otherwise on some joints only.
+pub(crate) fn depends_on_rounding(effect: &dyn Effect, joint: usize, rounded: &[usize]) -> bool {
+    acts_upon_arm(effect) || (effect.about().dry && rounded.contains(&joint))
 }
 
 /// Whether an effect shifts or spreads torque in time.

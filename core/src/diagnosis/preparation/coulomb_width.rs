@@ -39,26 +39,27 @@ impl Likeliest {
 }
 
 impl Session<'_> {
-    /// Decides on the rounding again with `members` in the model, and returns whether it is another: what misses a load may look like
-    /// a wide smoothing of friction's sign. What is known from before a change stays, and low-pass filtered torque does not determine it.
+    /// Decides on the rounding again with `members` in the model, and returns the joints on which it is another: what misses a load may
+    /// look like a wide smoothing of friction's sign. What is known from before a change stays, and low-pass filtered torque does not determine it.
     ///
     /// # Errors
     /// If a log is too short to differentiate.
-    pub(crate) fn round_again(&mut self, members: &[Member]) -> Result<bool> {
+    pub(crate) fn round_again(&mut self, members: &[Member]) -> Result<Vec<usize>> {
         if !self.model.known.reference.is_empty() || self.logs.passband.is_some() {
-            return Ok(false);
+            return Ok(Vec::new());
         }
         let pooled = self.logs.apart.then(|| self.over_all_logs());
         let others: Vec<Member> =
             members.iter().filter(|member| member.placed.effect.about().nature != Nature::OfSpeed).cloned().collect();
         let Likeliest { rounding, gains } = likeliest(pooled.as_ref().unwrap_or(self), &others)?;
         self.take_rounding_gains(gains);
-        if rounding == self.model.arm.coulomb_rounding {
-            return Ok(false);
+        let before = &self.model.arm.coulomb_rounding;
+        let others: Vec<usize> = (0..rounding.len()).filter(|&joint| rounding[joint] != before[joint]).collect();
+        if !others.is_empty() {
+            tracing::debug!(?rounding, "rounding of the sign of friction with what was found");
+            self.round_friction(rounding);
         }
-        tracing::debug!(?rounding, "rounding of the sign of friction with what was found");
-        self.round_friction(rounding);
-        Ok(true)
+        Ok(others)
     }
 }
 

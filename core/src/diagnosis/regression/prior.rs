@@ -6,9 +6,8 @@
 use super::solution::{Independent, Solved};
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
-/// Standard deviations of the description above which a direction is not determined by the rows: an estimate that is off by ten times its
-/// size says nothing. Below, the description may be as wrong as the estimate.
-const UNDETERMINED: f64 = 10.0;
+/// Standard deviations of the description above which it counts along a direction: the rows say less than it does.
+const UNDETERMINED: f64 = 1.0;
 
 /// Fewest factors that the rows determine by which the size of a description is judged.
 const FEWEST: usize = 3;

@@ -2,7 +2,7 @@
 
 use crate::diagnosis::logs::Rows;
 use crate::diagnosis::noise::Whitener;
-use crate::diagnosis::regression::Column;
+use crate::diagnosis::regression::{Column, Solved, solve_normal};
 use crate::linear::gram_matrix;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use std::collections::BTreeMap;
@@ -82,8 +82,8 @@ impl BlockProducts {
         BlockProducts { norms, all, blocks: blocks.into_values().collect() }
     }
 
-    /// Estimates of the factors of the columns at `kept`, by all rows, and without each block if `scatter` is wanted.
-    pub(super) fn estimates(&self, kept: &[usize], scatter: bool) -> Estimates {
+    /// Estimates of the factors of the columns at `kept`, by all rows, and without each block.
+    pub(super) fn estimates(&self, kept: &[usize]) -> Estimates {
         let part = |products: &Products| Products {
             gram: products.gram.select_rows(kept).select_columns(kept),
             right: products.right.select_rows(kept),
@@ -94,7 +94,7 @@ impl BlockProducts {
             Some(factor) => factor.solve(&products.right).component_div(&norms),
             None => DVector::from_element(kept.len(), f64::NAN),
         };
-        let without = if scatter && self.blocks.len() >= FEWEST {
+        let without = if self.blocks.len() >= FEWEST {
             let rest = |block: &Products| {
                 let own = part(block);
                 solve(Products { gram: &all.gram - own.gram, right: &all.right - own.right })
@@ -104,6 +104,13 @@ impl BlockProducts {
             Vec::new()
         };
         Estimates { values: solve(all), without }
+    }
+
+    /// The least-squares solution for the factors of the columns at `kept`, by all rows.
+    pub(super) fn solved(&self, kept: &[usize]) -> Solved {
+        let norms = DVector::from_iterator(kept.len(), kept.iter().map(|&place| self.norms[place]));
+        let gram = self.all.gram.select_rows(kept).select_columns(kept).component_mul(&(&norms * norms.transpose()));
+        solve_normal(gram, self.all.right.select_rows(kept).component_mul(&norms))
     }
 }
 
@@ -187,7 +194,7 @@ mod tests {
         let mut ratio = 0.0;
         for seed in 0..20 {
             let (products, plain) = products(seed, false);
-            let estimates = products.estimates(&[0, 1], true);
+            let estimates = products.estimates(&[0, 1]);
             assert!((estimates.values[0] - 2.0).abs() < 5.0 * plain && (estimates.values[1] - 3.0).abs() < 5.0 * plain);
             ratio += estimates.scatter(0).unwrap().0 / plain / 20.0;
         }
@@ -197,7 +204,7 @@ mod tests {
     #[test]
     fn what_differs_from_block_to_block_scatters_more() {
         let (products, plain) = products(1, true);
-        let (std, freedom) = products.estimates(&[0, 1], true).scatter(0).unwrap();
+        let (std, freedom) = products.estimates(&[0, 1]).scatter(0).unwrap();
         // A mean of 20 factors of unit deviation.
         assert!(std > 0.12 && std < 0.4 && std > 2.0 * plain, "{std} {plain}");
         assert!(freedom >= 29.0);
@@ -206,7 +213,7 @@ mod tests {
     #[test]
     fn a_column_twice_is_halved_and_not_infinite() {
         let (products, _) = products(2, false);
-        let estimates = products.estimates(&[0, 0, 1], false);
+        let estimates = products.estimates(&[0, 0, 1]);
         assert!((estimates.values[0] + estimates.values[1] - 2.0).abs() < 0.2);
         assert!(estimates.scatter(0).is_none());
     }

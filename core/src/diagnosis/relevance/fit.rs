@@ -1,9 +1,9 @@
 //! The model with all effects found, its columns held, so that any of them can be left out and the rest fitted again at once.
 
-use super::blocks::{BlockProducts, Estimates};
+use super::blocks::BlockProducts;
 use crate::diagnosis::model::{DataSet, Member, ParameterBlocks, Session};
 use crate::diagnosis::noise::Whitener;
-use crate::diagnosis::regression::{Column, combined};
+use crate::diagnosis::regression::{Column, Described, Solved, combined};
 use crate::error::Result;
 use std::ops::Range;
 
@@ -19,6 +19,8 @@ pub(super) struct HeldFit<'a> {
     blocks: ParameterBlocks,
     /// Places of every member's torque as found.
     torques: Range<usize>,
+    /// What the description says of the baseline's parameters.
+    described: Vec<Described>,
     products: BlockProducts,
 }
 
@@ -41,7 +43,8 @@ impl<'a> HeldFit<'a> {
         let products =
             BlockProducts::new(&session.logs.train.rows, whitener, &white, &whitener.apply(&session.logs.train.torque));
         let torques = blocks.end()..blocks.end() + members.len();
-        Ok(HeldFit { session, train, test, blocks, torques, products })
+        let described = session.model.described(&session.logs.train);
+        Ok(HeldFit { session, train, test, blocks, torques, described, products })
     }
 
     /// Places of the baseline's columns and of those of the members at `kept`.
@@ -60,10 +63,11 @@ impl<'a> HeldFit<'a> {
         self.blocks.members[member].amplitudes.clone()
     }
 
-    /// Residuals along the training and the held-out logs of the model with the members at `kept`.
+    /// Residuals along the training and the held-out logs of the model with the members at `kept`, fitted as all models are
+    /// ([`Session::solved`]).
     pub(super) fn residuals(&self, kept: &[usize]) -> [Column; 2] {
         let places = self.places(kept);
-        let Estimates { values, .. } = self.products.estimates(&places, false);
+        let Solved { values, .. } = self.products.solved(&places).with_described(&self.described);
         [(&self.session.logs.train, &self.train), (&self.session.logs.test, &self.test)].map(|(data, columns)| {
             let mut residual = data.torque.clone();
             places.iter().zip(values.iter()).for_each(|(&place, value)| residual.add(-value, &columns[place]));
@@ -74,7 +78,7 @@ impl<'a> HeldFit<'a> {
     /// Standard deviations by the scatter between blocks of the factors of each member at `kept`, in the order of its columns; None where
     /// there are too few blocks.
     pub(super) fn scatters(&self, kept: &[usize]) -> Option<Vec<Vec<f64>>> {
-        let estimates = self.products.estimates(&self.places(kept), true);
+        let estimates = self.products.estimates(&self.places(kept));
         let mut place = self.blocks.baseline.end;
         kept.iter()
             .map(|&member| {
@@ -91,7 +95,7 @@ impl<'a> HeldFit<'a> {
         let others: Vec<usize> = kept.iter().copied().filter(|&member| member != kept[index]).collect();
         let mut places = self.places(&others);
         places.push(self.torques.start + kept[index]);
-        let estimates = self.products.estimates(&places, true);
+        let estimates = self.products.estimates(&places);
         let (std, freedom) = estimates.scatter(places.len() - 1)?;
         Some([estimates.values[places.len() - 1], std, freedom])
     }

@@ -54,7 +54,7 @@ impl Round {
         let PreparedLogs { train, test, .. } = &session.logs;
         let later = &test.rows;
         let carried_on = carried_on(candidates, &session.model.arm, train.rows.len() - later.len(), later)?;
-        Self::renewed(session, (whitener, fit), carried_on, options, acts_upon_arm)
+        Self::renewed(session, (whitener, fit), carried_on, options, |effect, _| acts_upon_arm(effect))
     }
 
     /// The same again after more was found.
@@ -62,19 +62,24 @@ impl Round {
     /// # Errors
     /// If a log is too short to differentiate.
     pub(super) fn next(self, session: &mut Session, found: &mut [Found], options: &Options) -> Result<Self> {
-        let (whitener, fit) = settled(session, found)?;
-        drop(self.scan);
-        Self::renewed(session, (whitener, fit), self.all, options, acts_upon_arm)
+        self.rounded_anew(&[], session, found, options)
     }
 
-    /// The same where the sign of friction is rounded otherwise since.
+    /// The same where the sign of friction on some joints is `rounded` otherwise since.
     ///
     /// # Errors
     /// If a log is too short to differentiate.
-    pub(super) fn rounded_anew(self, session: &mut Session, found: &mut [Found], options: &Options) -> Result<Self> {
+    pub(super) fn rounded_anew(
+        self,
+        rounded: &[usize],
+        session: &mut Session,
+        found: &mut [Found],
+        options: &Options,
+    ) -> Result<Self> {
         let (whitener, fit) = settled(session, found)?;
         drop(self.scan);
-        Self::renewed(session, (whitener, fit), self.all, options, depends_on_rounding)
+        let depends = |effect: &dyn Effect, joint: usize| depends_on_rounding(effect, joint, rounded);
+        Self::renewed(session, (whitener, fit), self.all, options, depends)
     }
 
     /// With what `depends` on the arm as estimated worked out anew.
@@ -83,7 +88,7 @@ impl Round {
         (whitener, fit): (Whitener, Projection),
         candidates: Vec<Candidate>,
         options: &Options,
-        depends: fn(&dyn Effect) -> bool,
+        depends: impl Fn(&dyn Effect, usize) -> bool,
     ) -> Result<Self> {
         let ArmModel { arm, trust, .. } = &session.model;
         let asked = (*trust, &options.candidates[..]);

@@ -19,7 +19,7 @@
 //! ten to one from the axis, g >= 0.2. Without them a motion over a small range is fitted best by struts that hardly have a length and
 //! jerk through it, or whose pull is tens of times the torque that they make, and does not hold in other poses. A strut that pushes from half a turn away is nearly one that pulls.
 
-use crate::effects::{About, Effect, Hidden, Instant, Nature, Parameter, Rival, Role, Scope, Site};
+use crate::effects::{About, Effect, Hidden, Instant, Limit, Nature, Parameter, Rival, Role, Scope, Site};
 use crate::robot::{JointKind, Robot, Unit};
 
 /// (M + K (r - r0)) g sin(q - phi) / (2 r).
@@ -75,6 +75,10 @@ static ABOUT: About = About {
     hidden_by_base_parameters: Hidden::InPart,
 };
 
+/// Springs are wound so that they never come loose, and gas struts gain a half at the most. A strut that is slack in the balanced pose
+/// balances nothing: its torque is the cube of the angle, as of a hose that hardens.
+static LIMITS: [Limit; 1] = [Limit::most("pull at the greatest length over that at the shortest, 1", 10.0)];
+
 static PARAMETERS: [Parameter; 4] = [
     Parameter {
         name: "preload",
@@ -124,6 +128,17 @@ impl Effect for GravityBalancer {
         &PARAMETERS
     }
 
+    fn limits(&self) -> &'static [Limit] {
+        &LIMITS
+    }
+
+    fn over_limit(&self, p: &[f64], _: usize, _: &Robot) -> f64 {
+        let [preload, stiffness, geometry] = [p[0], p[1], p[2]];
+        let longer = (1.0 + geometry).sqrt() - (1.0 - geometry).sqrt();
+        // A preload below zero is beyond its bound, as far as it is known.
+        if preload < 0.0 || stiffness == 0.0 { 0.0 } else { LIMITS[0].over(1.0 + stiffness * longer / preload) }
+    }
+
     /// It balances gravity, which an axis that is vertical in every pose does not feel, and has a lever on a joint that turns.
     fn can_be_on(&self, joint: usize, robot: &Robot) -> bool {
         robot.joints[joint].kind == JointKind::Revolute && robot.feels_gravity(joint)
@@ -132,6 +147,12 @@ impl Effect for GravityBalancer {
     /// The pull of a balancer is that of a link of another first moment.
     fn indistinguishable_from(&self) -> Option<&'static str> {
         Some("link_inertia_error")
+    }
+
+    /// It balances no more than what the drive has to carry, or could. A strut many times that is a difference of two: bodies would have to
+    /// weigh as much more.
+    fn largest_share(&self) -> Option<f64> {
+        Some(10.0)
     }
 
     fn torque(&self, p: &[f64], joint: usize, x: &Instant, _: &[f64], out: &mut [f64]) {
@@ -160,6 +181,16 @@ mod tests {
         let torque = torque_at(&GravityBalancer, &[1000.0, 500.0, 0.6, 0.1], 0.1 - ANGLE, -0.5);
         assert!((torque + 325.131_670_195).abs() < 1e-8, "{torque}");
         assert_eq!(torque_at(&GravityBalancer, &[0.0, 0.0, 0.6, 0.1], ANGLE, -0.5), 0.0);
+    }
+
+    #[test]
+    fn a_strut_that_is_slack_in_the_balanced_pose_is_none() {
+        // g = 0.6: longer by sqrt(1.6) - sqrt(0.4) = 0.632455532034.
+        let over_limit =
+            |preload: f64, stiffness: f64| GravityBalancer.over_limit(&[preload, stiffness, 0.6, 0.0], 0, &pendulum());
+        let nine = 9.0 * 100.0 / 0.632_455_532_034;
+        assert!(over_limit(100.0, 0.999 * nine) < 1.0 && over_limit(100.0, 1.001 * nine) > 1.0);
+        assert_eq!([over_limit(0.0, 1.0), over_limit(0.0, 0.0), over_limit(-1.0, 5.0)], [f64::INFINITY, 0.0, 0.0]);
     }
 
     #[test]

@@ -228,10 +228,10 @@ pub(crate) fn renewed(
     arm: &Arm,
     rows: &Rows,
     (trust, only): (Trust, &[String]),
-    depends: fn(&dyn Effect) -> bool,
+    depends: impl Fn(&dyn Effect, usize) -> bool,
 ) -> Result<Vec<Candidate>> {
-    candidates.retain(|candidate| !depends(candidate.placed.effect));
-    candidates.extend(throughout(arm, rows, wanted(rows, trust, only).filter(|effect| depends(*effect)))?);
+    candidates.retain(|candidate| !depends(candidate.placed.effect, candidate.placed.joint));
+    candidates.extend(at(arm, rows, wanted(rows, trust, only), depends)?);
     Ok(candidates)
 }
 
@@ -246,11 +246,23 @@ fn wanted(rows: &Rows, trust: Trust, only: &[String]) -> impl Iterator<Item = &'
 
 /// Candidates of `effects` at all places, acting in all logs.
 fn throughout(arm: &Arm, rows: &Rows, effects: impl Iterator<Item = &'static dyn Effect>) -> Result<Vec<Candidate>> {
+    at(arm, rows, effects, |_, _| true)
+}
+
+/// The same at the joints where they are `asked` for.
+fn at(
+    arm: &Arm,
+    rows: &Rows,
+    effects: impl Iterator<Item = &'static dyn Effect>,
+    asked: impl Fn(&dyn Effect, usize) -> bool,
+) -> Result<Vec<Candidate>> {
     let of = |joint: usize| (extent(rows, joint), highest_harmonic(rows, joint));
     let extents: Vec<(Extent, f64)> = (0..rows.dof()).map(of).collect();
     let grid = |effect: &'static dyn Effect, joint: usize| extents[joint].0.grid(effect, joint, extents[joint].1);
     let placed: Vec<Placed> = effects
-        .flat_map(|effect| places(effect, arm.described()).into_iter().flat_map(move |joint| grid(effect, joint)))
+        .flat_map(|effect| places(effect, arm.described()).into_iter().map(move |joint| (effect, joint)))
+        .filter(|&(effect, joint)| asked(effect, joint))
+        .flat_map(|(effect, joint)| grid(effect, joint))
         .collect();
     let groups = columns(arm, rows, &placed)?;
     let candidates = placed.into_iter().zip(groups).map(|(placed, columns)| Candidate {
@@ -286,7 +298,7 @@ mod tests {
     use crate::diagnosis::logs::FEWEST_ROWS;
     use crate::diagnosis::model::depends_on_rounding;
     use crate::diagnosis::test_logs::log;
-    use crate::effects::{Rounding, find};
+    use crate::effects::{Rounding, Scope, find};
     use crate::robot::{InertiaCheck, load};
 
     #[test]
@@ -315,8 +327,10 @@ mod tests {
         let (sharp, wide) = (rounded(Rounding::Sharp), rounded(Rounding::Tanh(0.1)));
         for ((one, sharp), wide) in placed.iter().zip(&sharp).zip(&wide) {
             let name = one.effect.about().name;
-            assert!(sharp == wide || depends_on_rounding(one.effect), "{name}");
-            assert!(sharp != wide || !one.effect.about().dry, "{name}");
+            let depends = |joint: usize| depends_on_rounding(one.effect, joint, &[0, 3]);
+            assert!(sharp == wide || (depends(0) && depends(3)), "{name}");
+            assert!(sharp != wide || !depends(0) || acts_upon_arm(one.effect), "{name}");
+            assert!(!one.effect.about().dry || (one.effect.about().scope == Scope::Joint && !depends(1)), "{name}");
         }
     }
 

@@ -1,7 +1,7 @@
 //! What `tauscope` uses and no user should, by room.
 
 pub use crate::linear::root_mean_square;
-pub use crate::output::{json, pretty, significant};
+pub use crate::output::{json, measured, pretty, significant};
 
 pub mod design {
     pub use crate::design::comparison::{Comparison, Judge, Row, compare};

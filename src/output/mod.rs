@@ -6,7 +6,7 @@
 
 mod transaction;
 
-pub(crate) use crate::internal::{json, significant};
+pub(crate) use crate::internal::{json, measured, significant};
 
 use crate::error::{Error, Result};
 use crate::internal::pretty;

@@ -2,7 +2,7 @@
 
 use super::results::{AtEffortLimit, SmoothingGain};
 use crate::identification::smoothing_choice::Described;
-pub(super) use crate::output::significant;
+pub(super) use crate::output::{measured, significant};
 use crate::robot::{Joint, JointKind, Robot, Unit};
 use crate::scenario::Setup;
 use crate::study::testbed::{Score, Scored, Variant};

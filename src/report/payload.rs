@@ -1,6 +1,6 @@
 //! The result of `tauscope payload`.
 
-use super::console::table;
+use super::console::{measured, table};
 use crate::payload::{Change, Controllers, Estimator, Payload, Quantity, Verdict};
 
 /// The answer for people.
@@ -163,8 +163,7 @@ fn formats(payload: &Payload, controllers: &Controllers) -> Vec<String> {
 
 /// A number with its standard error.
 fn both(quantity: &Quantity) -> String {
-    let error = quantity.standard_error;
-    format!("{} +- {}", rounded(quantity.value, error), rounded(error, error))
+    measured(quantity.value, quantity.standard_error)
 }
 
 /// A number to two digits of its standard error.

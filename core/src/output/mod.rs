@@ -2,7 +2,7 @@
 
 mod numbers;
 
-pub use numbers::significant;
+pub use numbers::{measured, significant};
 
 use serde::Serialize;
 use std::io::{self, BufWriter, ErrorKind, Write};

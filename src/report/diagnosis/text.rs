@@ -9,7 +9,7 @@ use crate::effects;
 use crate::error::Error;
 use crate::internal::diagnosis::{NOT_SIZED, effort, finding, findings, joints, remedy, shown, with_unit};
 use crate::quality::with_logs;
-use crate::report::console::{by_joint, significant, table};
+use crate::report::console::{by_joint, measured, significant, table};
 use crate::report::payload;
 use crate::robot::{Robot, Unit};
 
@@ -322,7 +322,7 @@ fn values(finding: &Finding) -> String {
     let named = parameters.iter().position(|parameter| headline.contains(&parameter.name)).unwrap_or(0);
     let shown = parameters[named..].iter().take(MENTIONED);
     let each = shown.map(|p| match p.std.is_finite() {
-        true => format!("{} {} +- {}", p.name, significant(p.value), with_unit(significant(p.std), p.unit)),
+        true => format!("{} {}", p.name, with_unit(measured(p.value, p.std), p.unit)),
         false => format!("{} not determined by itself (held at {})", p.name, significant(p.value)),
     });
     each.collect::<Vec<String>>().join(", ")

@@ -11,7 +11,7 @@ pub use notes::{
     undetermined, unlike_described,
 };
 
-use super::console::{by_joint, column_with_unit, significant, table};
+use super::console::{by_joint, column_with_unit, measured, significant, table};
 use crate::diagnosis::Estimated;
 use crate::identification::consistent::Consistent;
 use crate::identification::effect_model::Trust;
@@ -275,7 +275,7 @@ fn drives(robot: &Robot, fitted: &Fitted) -> String {
         match (fitted.fit.undetermined[index], fitted.fit.at_bound[index]) {
             (true, _) => format!("{value} (as described)"),
             (_, true) => format!("{value} (at its bound)"),
-            _ => format!("{value} +- {}", significant(std[index])),
+            _ => measured(fitted.fit.estimate.beta[index], std[index]),
         }
     };
     let columns = [

@@ -8,7 +8,7 @@ use crate::identification::prepare::Smoothing;
 use crate::identification::smoothing_choice::usual_window;
 use crate::internal::root_mean_square;
 use crate::recording::Recording;
-use crate::report::console::significant;
+use crate::report::console::{measured, significant};
 use crate::robot::{Joint, Robot, Unit};
 
 /// Lines about the parameters that the logs do not determine, if there are any: those that are merged into others, and others.
@@ -82,9 +82,9 @@ pub fn between_logs(fitted: &Fitted) -> Option<String> {
     let of = |agreement: fn(&Agreement) -> bool| found.iter().filter(move |(_, found)| agreement(&found.agreement));
     let pinned = of(|agreement| *agreement == Agreement::Pinned).count();
     let mut text = format!(
-        "{} training logs, one parameter at a time free to differ between them: {pinned} of {} parameters are pinned",
-        first.values.len(),
-        found.len()
+        "{pinned} of {} parameters are pinned: the {} training logs agree on their values, tested one at a time",
+        found.len(),
+        first.values.len()
     );
     // What changed also moves what it resembles: the surest first.
     let mut changed: Vec<_> = found
@@ -190,8 +190,7 @@ fn negative<'a>(robot: &'a Robot, fitted: &Fitted, symbol: &str) -> Vec<(&'a Joi
 fn listed(fitted: &Fitted, negative: &[(&Joint, usize)], unit: Unit) -> String {
     let std = fitted.fit.estimate.std();
     let each = negative.iter().map(|&(joint, place)| {
-        let [value, std] = [fitted.fit.estimate.beta[place], std[place]].map(significant);
-        format!("{} ({value} +- {std} {})", joint.name, joint.kind.unit(unit))
+        format!("{} ({} {})", joint.name, measured(fitted.fit.estimate.beta[place], std[place]), joint.kind.unit(unit))
     });
     each.collect::<Vec<_>>().join(", ")
 }

@@ -4,7 +4,7 @@ use super::accounted::share_accounted_for;
 use super::described::as_described;
 use super::diagnosis::{self, Diagnosis, Errors, LogSummary, OfSampling, Scope, withdraw};
 use super::extended::ExtendedModel;
-use super::inertias::{self, Free, Gain, all_inertias, trusted_again};
+use super::inertias::{self, Free, Gain, all_inertias};
 use super::outcome::{Conclusion, Measured};
 use super::quantities::{Evidence, Residuals, derived, not_found, refused, residual_structure};
 use super::resimulation::{Replay, joints_of};
@@ -71,21 +71,16 @@ pub(super) fn conclude<'a>(
     let simulation = as_described(&session, &input.present)?;
     let map = residual_map(&session, options)?;
     watch.tell(Progress::Map(map.clone()));
-    let mut searched = Searched::new(&mut session, &[], options, watch)?;
+    let mut searched = Searched::new(&mut session, options, watch)?;
     let (mut inertias, mut rejected_inertias) = (None, None);
     if options.trust == Trust::Nominal && input.reference.is_empty() {
-        let free = Known { arm: Arm::new(model.robot(), Trust::Structure), ..known.clone() };
+        let free = Known { arm: Arm::new(model.robot(), Trust::Structure), ..known };
         match all_inertias(&session, &searched, free, &train, &test, options, watch)? {
-            inertias::Outcome::Accepted(free) => match trusted_again(&free, known, &train, &test, options, watch)? {
-                Some((again, of_it, failed)) => {
-                    (session, searched, rejected_inertias) = (again, of_it, Some(failed));
-                }
-                None => {
-                    let gain;
-                    Free { session, searched, gain } = *free;
-                    inertias = Some(gain);
-                }
-            },
+            inertias::Outcome::Accepted(free) => {
+                let gain;
+                Free { session, searched, gain } = *free;
+                inertias = Some(gain);
+            }
             inertias::Outcome::Refused(failed) => rejected_inertias = Some(failed),
             inertias::Outcome::NotAsked => {}
         }
@@ -278,12 +273,6 @@ fn answer<'a>(
     let baseline_test_rms = rms(&test.valid, &baseline);
     let simulation_test_rms = rms(&test.valid, &simulation);
     withdraw(&mut found, &unexplained, [&baseline_test_rms, &extended_test_rms], &noise_floor, &options.criteria);
-    // What is held at the end may leave a law that no machine has.
-    for one in &mut found {
-        if let Some(failed) = Judgement::first_failed([session.believable(&one.member.placed)]) {
-            one.withdraw(failed);
-        }
-    }
     let derived = derived(
         &members,
         &solved,

@@ -75,15 +75,16 @@ pub(super) fn all_inertias<'a>(
     watch: &mut Watch,
 ) -> Result<Outcome<'a>> {
     let few = options.criteria.levels.few;
+    let is_body = |found: &&Found| found.member.placed.effect.about().site == Site::Body;
     let Searched { selection, structure, .. } = trusting;
-    let bodies = selection.found.iter().filter(|found| is_body(found)).count();
+    let bodies = selection.found.iter().filter(is_body).count();
     let left = certain(&structure.unexplained);
     // What a search has not come to is no reason to doubt the inertias.
     if (bodies <= few && (left < few || selection.is_full)) || watch.is_over() {
         return Ok(Outcome::NotAsked);
     }
     let mut session = prepare(trusted.model.base, Trust::Structure, known, train, test, options.criteria)?;
-    let searched = Searched::new(&mut session, &[], options, watch)?;
+    let searched = Searched::new(&mut session, options, watch)?;
     let free = &searched.selection;
     let left_free = certain(&searched.structure.unexplained);
     // Half a search is no comparison.
@@ -94,65 +95,22 @@ pub(super) fn all_inertias<'a>(
     if let Some(failed) = Judgement::first_failed(simpler) {
         return Ok(Outcome::Refused(failed));
     }
-    let (gain, gains) = predicts_better((&session, &searched), (trusted, trusting), options);
+    // Both are compared on rows valid for both, in the noise of the better one.
+    let mut rows = session.logs.test.rows.clone();
+    for (valid, other) in rows.valid.iter_mut().zip(&trusted.logs.test.rows.valid) {
+        valid.iter_mut().zip(other).for_each(|(ok, other)| *ok &= *other);
+    }
+    let (before, after) = (&selection.held_out, &free.held_out);
+    let joints: Vec<usize> = (0..rows.dof()).collect();
+    let lower_bound =
+        Gains::new(&free.whitener.on(&rows), before, after, &joints, rows.len()).lower_bound(&options.criteria.levels);
+    let rms = [rms(&rows.valid, before), rms(&rows.valid, after)];
+    let gain = Gain { lower_bound, rms };
+    let gains = Judgement::above(Gate::HeldOutGain, lower_bound, options.criteria.search.share_of_misfit);
     Ok(match gains.passed {
         true => Outcome::Accepted(Box::new(Free { session, searched, gain })),
         false => Outcome::Refused(gains),
     })
-}
-
-/// The search with the inertias of the description trusted once more, with the laws in the model that were found with all inertias `free`: a
-/// body that was fitted before those were known takes their torque up, and no single one was enough. None where free inertias found no
-/// such law, or where that leaves more unexplained or predicts the held-out logs worse than they do; else with the gate that they fail now.
-///
-/// # Errors
-/// If a log is too short to differentiate.
-pub(super) fn trusted_again<'a>(
-    free: &Free<'a>,
-    known: Known<'a>,
-    train: &[&Recording],
-    test: &[&Recording],
-    options: &Options,
-    watch: &mut Watch,
-) -> Result<Option<(Session<'a>, Searched, Judgement)>> {
-    let laws: Vec<Found> = free.searched.selection.found.iter().filter(|found| !is_body(found)).cloned().collect();
-    if laws.is_empty() || watch.is_over() {
-        return Ok(None);
-    }
-    let mut session = prepare(free.session.model.base, Trust::Nominal, known, train, test, options.criteria)?;
-    let searched = Searched::new(&mut session, &laws, options, watch)?;
-    let bodies = searched.selection.found.iter().filter(|found| is_body(found)).count();
-    let left = [&searched, &free.searched].map(|searched| certain(&searched.structure.unexplained));
-    if watch.is_over() || bodies > options.criteria.levels.few || left[0] > left[1] {
-        return Ok(None);
-    }
-    let (_, gains) = predicts_better((&free.session, &free.searched), (&session, &searched), options);
-    Ok((!gains.passed).then_some((session, searched, gains)))
-}
-
-/// What free inertias gain on the held-out logs over trusted ones, and whether that is more than either search may be wrong by. Both are
-/// compared on rows valid for both, in the noise of the free ones.
-fn predicts_better(
-    (free, found_free): (&Session, &Searched),
-    (trusted, trusting): (&Session, &Searched),
-    options: &Options,
-) -> (Gain, Judgement) {
-    let mut rows = free.logs.test.rows.clone();
-    for (valid, other) in rows.valid.iter_mut().zip(&trusted.logs.test.rows.valid) {
-        valid.iter_mut().zip(other).for_each(|(ok, other)| *ok &= *other);
-    }
-    let (before, after) = (&trusting.selection.held_out, &found_free.selection.held_out);
-    let joints: Vec<usize> = (0..rows.dof()).collect();
-    let noise = found_free.selection.whitener.on(&rows);
-    let lower_bound = Gains::new(&noise, before, after, &joints, rows.len()).lower_bound(&options.criteria.levels);
-    let rms = [rms(&rows.valid, before), rms(&rows.valid, after)];
-    let gains = Judgement::above(Gate::HeldOutGain, lower_bound, options.criteria.search.share_of_misfit);
-    (Gain { lower_bound, rms }, gains)
-}
-
-/// Whether a finding is a body of the arm or on it.
-fn is_body(found: &Found) -> bool {
-    found.member.placed.effect.about().site == Site::Body
 }
 
 /// Whether estimated inertias need less to explain the logs than trusted ones, by the joints with unexplained structure and by the effects

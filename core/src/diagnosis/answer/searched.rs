@@ -56,7 +56,7 @@ pub(super) fn found_that_matter(
     options: &Options,
     watch: &mut Watch,
 ) -> Result<(Selection, Vec<Minor>)> {
-    let selection = select(session, &[], options, watch)?;
+    let selection = select(session, options, watch)?;
     those_that_matter(session, selection, &[])
 }
 
@@ -67,19 +67,30 @@ fn those_that_matter(
     any_size: &[usize],
 ) -> Result<(Selection, Vec<Minor>)> {
     let mut minor = Vec::new();
-    // What is out changes the estimates of what stays, which must pass with these.
     loop {
+        // What is out changes the estimates of what stays, which must pass with these.
+        loop {
+            let more = eliminate(session, &mut selection.found, &selection.whitener, any_size)?;
+            if more.is_empty() {
+                break;
+            }
+            minor.extend(more);
+            selection.settle(session)?;
+        }
+        if fit_to_the_end(session, &mut selection.found, &mut selection.whitener)? {
+            selection.take_held_out(session)?;
+        }
+        // What is held at the end may leave a law that no machine has.
+        if selection.found.iter().all(|found| session.believable(&found.member.placed).passed) {
+            return Ok((selection, minor));
+        }
         let more = eliminate(session, &mut selection.found, &selection.whitener, any_size)?;
         if more.is_empty() {
-            break;
+            return Ok((selection, minor));
         }
         minor.extend(more);
         selection.settle(session)?;
     }
-    if fit_to_the_end(session, &mut selection.found, &mut selection.whitener)? {
-        selection.take_held_out(session)?;
-    }
-    Ok((selection, minor))
 }
 
 /// The last fit of the effects in the model: until their sizes no longer change, with parameters that the logs do not determine held, and
@@ -103,12 +114,12 @@ pub(super) fn fit_to_the_end(session: &mut Session, found: &mut [Found], whitene
 }
 
 impl Searched {
-    /// Searches the logs of `session`, with effects that were found before in the model ([`select`]).
+    /// Searches the logs of `session`.
     ///
     /// # Errors
     /// If a log is too short to differentiate.
-    pub(super) fn new(session: &mut Session, given: &[Found], options: &Options, watch: &mut Watch) -> Result<Self> {
-        let all = select(session, given, options, watch)?;
+    pub(super) fn new(session: &mut Session, options: &Options, watch: &mut Watch) -> Result<Self> {
+        let all = select(session, options, watch)?;
         let (selection, mut minor) = those_that_matter(session, all, &[])?;
         let ended = watch.is_over();
         let (structure, map) = left(session, &selection, options, ended)?;

@@ -51,17 +51,11 @@ pub(crate) struct Selection {
     pub sensitivity: BTreeMap<Family, Sensitivity>,
 }
 
-/// Searches for effects until no more pass, or `watch` ends the search; it hears the number of effects found so far. Those `given` were
-/// found before, under another trust in the inertias, and are in the model from the beginning.
+/// Searches for effects until no more pass, or `watch` ends the search; it hears the number of effects found so far.
 ///
 /// # Errors
 /// If a log is too short to differentiate.
-pub(crate) fn select(
-    session: &mut Session,
-    given: &[Found],
-    options: &Options,
-    watch: &mut Watch,
-) -> Result<Selection> {
+pub(crate) fn select(session: &mut Session, options: &Options, watch: &mut Watch) -> Result<Selection> {
     let mut found: Vec<Found> = Vec::new();
     let mut refused: Vec<Refused> = Vec::new();
     let (mut rejected, mut faint): (Vec<Rejected>, Vec<Rejected>) = Default::default();
@@ -82,16 +76,6 @@ pub(crate) fn select(
     tracing::debug!(new = ?first_whitener.innovation_std(), rows = ?first_whitener.rows(), "noise");
     let multiplicity = round.scan.multiplicity(&round.fit, &round.whitener, options.seed);
     let ranking = ranking(&round.scan);
-    let known =
-        given.iter().filter(|one| found.iter().all(|own| own.member.candidate.slot() != one.member.candidate.slot()));
-    let known: Vec<Family> = known.map(|found| found.member.candidate.family()).collect();
-    let as_before = |family: Family, member: Member| -> Found {
-        let before = given.iter().find(|one| one.member.candidate.family() == family);
-        let [gain_lower_bound, level] = before.map_or([0.0, 1.0], |one| [one.gain_lower_bound, one.family_wise_p]);
-        let alternatives = before.map(|one| one.alternatives.clone()).unwrap_or_default();
-        Found::new(Accepted { member, gain_lower_bound, level }, alternatives)
-    };
-    (round, _) = with_given(session, &mut found, round, (&known, as_before), options, watch)?;
     let sizes = Sizes::new(session);
     // Events are looked for at first, and again once nothing else is found: every look fits each window of time anew.
     let (mut events_asked, mut postponed, mut exhausted) = (None, false, false);
@@ -283,45 +267,26 @@ pub(crate) struct Given {
 pub(crate) fn take(session: &mut Session, given: &[Family], options: &Options, watch: &mut Watch) -> Result<Given> {
     let candidates = given.iter().map(|family| family.effect.to_owned()).collect();
     let options = &Options { candidates, ..options.clone() };
-    let mut found = Vec::new();
-    let round = Round::first(session, &mut found, options)?;
+    let (mut found, mut left_out, mut open) = (Vec::new(), Vec::new(), given.to_vec());
+    let mut round = Round::first(session, &mut found, options)?;
     let first_whitener = round.whitener.clone();
-    let untested = |_, member| Found::new(Accepted { member, gain_lower_bound: 0.0, level: 1.0 }, Vec::new());
-    let (round, open) = with_given(session, &mut found, round, (given, untested), options, watch)?;
-    let impossible = round.scan.impossible();
-    let failed = |family: &Family| impossible.iter().find(|(slot, ..)| slot.0 == *family).map(|(_, _, failed)| *failed);
-    let left_out = open.into_iter().map(|(family, is_seen)| (family, failed(&family).filter(|_| !is_seen))).collect();
-    Ok(Given { found, left_out, whitener: round.whitener, first_whitener })
-}
-
-/// Takes effects into the model, each as a search takes the winner of a comparison, the likeliest first, until `watch` ends it. Returns the
-/// round after them, and those that are not in the model, each with whether any candidate of its family can be.
-///
-/// # Errors
-/// If a log is too short to differentiate.
-fn with_given(
-    session: &mut Session,
-    found: &mut Vec<Found>,
-    mut round: Round,
-    (given, as_found): (&[Family], impl Fn(Family, Member) -> Found),
-    options: &Options,
-    watch: &mut Watch,
-) -> Result<(Round, Vec<(Family, bool)>)> {
-    let (mut left_out, mut open) = (Vec::new(), given.to_vec());
     while let Some(likeliest) = round.scan.likeliest_of(&open).filter(|_| !watch.is_over()) {
         let family = likeliest.candidate.family();
         open.retain(|other| *other != family);
-        match without_rivals(session, &members(found), likeliest, &round.all)? {
+        match without_rivals(session, &members(&found), likeliest, &round.all)? {
             Some(best) => {
-                found.push(as_found(family, best.member()));
-                round = after_one_more(session, found, round, options)?;
+                let accepted = Accepted { member: best.member(), gain_lower_bound: 0.0, level: 1.0 };
+                found.push(Found::new(accepted, Vec::new()));
+                round = after_one_more(session, &mut found, round, options)?;
                 watch.tell(Progress::Found(found.len()));
             }
-            None => left_out.push((family, true)),
+            None => left_out.push((family, None)),
         }
     }
-    left_out.extend(open.into_iter().map(|family| (family, false)));
-    Ok((round, left_out))
+    let impossible = round.scan.impossible();
+    let failed = |family: &Family| impossible.iter().find(|(slot, ..)| slot.0 == *family).map(|(_, _, failed)| *failed);
+    left_out.extend(open.into_iter().map(|family| (family, failed(&family))));
+    Ok(Given { found, left_out, whitener: round.whitener, first_whitener })
 }
 
 /// Writes the held-out residual before and after each effect; returns the residual after all.

@@ -3,7 +3,7 @@
 
 use crate::diagnosis::answer::diagnosis::Diagnosis;
 use crate::diagnosis::logs::{Consequence, DataFault};
-use crate::output::significant;
+use crate::output::{measured, significant};
 use crate::quality::Kind;
 use crate::robot::{Joint, Robot};
 
@@ -79,10 +79,11 @@ pub(in crate::diagnosis::answer) fn mixed_rates(diagnosis: &Diagnosis) -> Option
 /// Notice on delays and lags that are of the sampling.
 pub(in crate::diagnosis::answer) fn sampling(robot: &Robot, diagnosis: &Diagnosis) -> Option<String> {
     let each = diagnosis.of_sampling.iter().map(|short| {
-        let [time, std] = short.seconds.map(|seconds| significant(1e3 * seconds));
+        let [time, std] = short.seconds.map(|seconds| 1e3 * seconds);
+        let time = measured(time, std);
         match short.joint {
-            None => format!("torque and positions lie {time} +- {std} ms apart"),
-            Some(joint) => format!("the torque of {} lags by {time} +- {std} ms", robot.joints[joint].name),
+            None => format!("torque and positions lie {time} ms apart"),
+            Some(joint) => format!("the torque of {} lags by {time} ms", robot.joints[joint].name),
         }
     });
     let each: Vec<String> = each.collect();

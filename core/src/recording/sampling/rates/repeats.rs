@@ -11,8 +11,8 @@ const REGULAR: f64 = 0.95;
 /// The other signals go on between two changes: they change as often there as elsewhere, up to this share.
 const GOES_ON: f64 = 0.5;
 
-/// Slowest rate, Hz, to which a log is brought because of repeated values: below, diagnosis sees too little.
-const SLOWEST_HZ: f64 = 50.0;
+/// Slowest rate, Hz, to which a log is brought because of repeated values: below, the motion of an arm is not followed.
+const SLOWEST_HZ: f64 = 8.0;
 
 /// Keeps the rows of new values where values are repeated while the other signals go on. Time is in seconds. Nothing is done
 /// where they do not come at a rate, or at a slow one. Returns what was done.

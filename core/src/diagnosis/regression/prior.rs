@@ -1,13 +1,10 @@
 //! What the description of an arm says where the rows do not: a prior on some factors of a least-squares solution.
 //!
-//! Directions that the rows do not determine are taken from the description, all others stay as fitted. Most logs determine all that
+//! Combinations that the rows determine less well than the description are taken from both, all others stay as fitted. Most logs determine all that
 //! their own torque needs; held-out logs may need more, as where a joint stands elsewhere.
 
 use super::solution::{Independent, Solved};
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
-
-/// Standard deviations of the description above which it counts along a direction: the rows say less than it does.
-const UNDETERMINED: f64 = 1.0;
 
 /// Fewest factors that the rows determine by which the size of a description is judged.
 const FEWEST: usize = 3;
@@ -24,8 +21,8 @@ pub(crate) struct Described {
 }
 
 impl Solved {
-    /// The solution with what is `described` where the rows say nothing: the posterior mean along those combinations of described factors
-    /// whose standard deviation by the rows is many times that of the description. The combinations are those along which both are independent
+    /// The solution with what is `described` where the rows say less: the posterior mean along those combinations of described factors
+    /// whose standard deviation by the rows is larger than that of the description. The combinations are those along which both are independent
     /// (the generalised eigenvectors of the two covariances), with every other factor fitted anew. The description counts as a whole by
     /// a factor, and its deviations by another, as the factors that the rows determine show: bodies may be described twice too heavy.
     pub(crate) fn with_described(mut self, described: &[Described]) -> Solved {
@@ -47,16 +44,15 @@ impl Solved {
             return self;
         }
         let SymmetricEigen { eigenvectors, eigenvalues } = SymmetricEigen::new(own);
-        let is_open = |k: usize| UNDETERMINED.powi(2) * eigenvalues[k].max(0.0) < 1.0;
-        if !(0..eigenvalues.len()).any(is_open) {
+        // Of unit variance as described: below one the rows say less.
+        let known = eigenvalues.map(|value| value.max(0.0));
+        if known.min() >= 1.0 {
             return self;
         }
         let apart = |one: &Described| (scale * one.value - self.values[one.place]) / (spread * one.std);
         let apart = DVector::from_iterator(described.len(), described.iter().map(apart));
-        let known = |k: usize| eigenvalues[k].max(0.0);
-        let along = DVector::from_fn(eigenvalues.len(), |k, _| {
-            if is_open(k) { eigenvectors.column(k).dot(&apart) / (1.0 + known(k)) } else { 0.0 }
-        });
+        let step = |known: f64, apart: f64| if known < 1.0 { apart / (1.0 + known) } else { 0.0 };
+        let along = known.zip_map(&eigenvectors.tr_mul(&apart), step);
         let to_all = |own: &DMatrix<f64>| {
             let (described, fitted) = (&unit * own, &answer * own);
             let mut all = DMatrix::zeros(self.values.len(), own.ncols());
@@ -72,8 +68,8 @@ impl Solved {
         for (row, &place) in others.iter().enumerate() {
             directions.view_mut((place, places.len()), (1, others.len())).copy_from(&rest.directions.row(row));
         }
-        let of_combination = |k: usize| 1.0 / (known(k) + if is_open(k) { 1.0 } else { 0.0 });
-        let variances = (0..places.len()).map(of_combination).chain(rest.variances.iter().copied());
+        let of_combination = |known: &f64| if *known < 1.0 { 1.0 / (1.0 + known) } else { 1.0 / known };
+        let variances = known.iter().map(of_combination).chain(rest.variances.iter().copied());
         self.expected = Independent { directions, variances: DVector::from_iterator(count, variances) };
         self.values.iter_mut().enumerate().for_each(|(place, value)| *value += moved[place] / self.norms[place]);
         self
@@ -109,6 +105,8 @@ impl Solved {
 mod tests {
     use super::*;
     use crate::diagnosis::regression::{Column, solve};
+    use crate::random;
+    use rand_distr::{Distribution, StandardNormal};
 
     /// Three factors that rows determine, of which the first is as described, and a fourth that only the sum with the third shows.
     fn solved(values: [f64; 3]) -> Solved {
@@ -159,6 +157,31 @@ mod tests {
         let with = plain.with_described(&[&described(&[5.0, -5.0])[..], &[small]].concat());
         let expected = [1.0, 2.0, 0.0];
         assert!(with.values.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-4), "{:?}", with.values);
+    }
+
+    /// Where the description is right, nothing that the rows determine moves by more than their noise allows.
+    #[test]
+    fn no_combination_moves_by_much_more_than_its_standard_deviation() {
+        for seed in 0..40 {
+            let mut source = random::stream(seed, "prior", 0);
+            let mut drawn = || -> f64 { StandardNormal.sample(&mut source) };
+            let stds: Vec<f64> = (0..6).map(|_| 10f64.powf(1.5 * drawn())).collect();
+            let near: Vec<f64> = (0..30).map(|_| drawn()).collect();
+            let rows: Vec<Vec<f64>> = (0..6).map(|_| near.iter().map(|near| near + 0.03 * drawn()).collect()).collect();
+            let truth: Vec<f64> = stds.iter().map(|std| std * drawn()).collect();
+            let torque = (0..30).map(|row| drawn() + (0..6).map(|k| rows[k][row] * truth[k]).sum::<f64>()).collect();
+            let columns: Vec<Column> = rows.into_iter().map(|values| Column::on(0, values)).collect();
+            let plain = solve(&columns, &Column::on(0, torque));
+            let described: Vec<Described> =
+                (0..6).map(|place| Described { place, value: 0.0, std: stds[place] }).collect();
+            let with = plain.clone().with_described(&described);
+            for _ in 0..20 {
+                let slopes: Vec<(usize, f64)> = (0..6).map(|place| (place, drawn())).collect();
+                let moved: f64 = slopes.iter().map(|&(k, slope)| slope * (with.values[k] - plain.values[k])).sum();
+                let std = plain.deviation(&slopes);
+                assert!(moved.abs() < 5.0 * std, "{seed}: {moved} of {std}");
+            }
+        }
     }
 
     #[test]

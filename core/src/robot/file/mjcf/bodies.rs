@@ -103,8 +103,9 @@ impl<'a> Bodies<'a> {
         }
         if !self.lifted.is_empty() {
             let names = self.lifted.join(", ");
-            self.notes
-                .push(format!("gravcomp is not read: in MuJoCo a force carries the weight of these bodies ({names})"));
+            self.notes.push(format!(
+                "gravcomp is not modelled: in MuJoCo a force carries the weight of these bodies ({names})"
+            ));
         }
     }
 

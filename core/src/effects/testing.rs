@@ -28,6 +28,7 @@ pub(super) fn pendulum() -> Robot {
         held: Vec::new(),
         assumed: Vec::new(),
         guessed: Vec::new(),
+        lifted: Vec::new(),
         notes: Vec::new(),
     }
 }

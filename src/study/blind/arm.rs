@@ -109,6 +109,7 @@ fn bodies(dof: usize, source: &mut ChaCha8Rng) -> Robot {
         held: Vec::new(),
         assumed: Vec::new(),
         guessed: Vec::new(),
+        lifted: Vec::new(),
         notes: Vec::new(),
     }
 }

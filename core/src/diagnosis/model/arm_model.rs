@@ -45,7 +45,8 @@ impl ArmModel<'_> {
     /// What the description says of the base parameters of the bodies, where they are estimated: each as far off at the most as the largest of
     /// its kind on its link. Nothing where bodies are described without mass or by placeholders, and where a data set has no baseline.
     pub(crate) fn described(&self, data: &DataSet) -> Vec<Described> {
-        let is_known = self.trust == Trust::Structure && self.base.robot().placeholders().is_none();
+        let robot = self.base.robot();
+        let is_known = self.trust == Trust::Structure && robot.placeholders().is_none() && robot.lifted.is_empty();
         if !is_known || data.baseline.is_empty() {
             return Vec::new();
         }

@@ -58,6 +58,8 @@ pub fn examine(sieved: &Sieved, robot: Option<&Robot>) -> Result<Report> {
 pub fn examine_together(logs: &[&Sieved], robot: Option<&Robot>) -> Result<Together> {
     let (mut reports, mut torques) = (Vec::new(), Vec::new());
     let read: Vec<Read> = logs.iter().map(|log| Read::new(log, robot)).collect::<Result<_>>()?;
+    // Bodies whose weight a simulator carries in part, those described or free ones, are not those of the torques.
+    let (limits_of, robot) = (robot, robot.filter(|robot| robot.lifted.is_empty()));
     let clocks = clocks::shown(&read, robot)?;
     for (read, clock) in read.into_iter().zip(clocks) {
         let (report, usable) = read.examined(clock)?;
@@ -90,7 +92,7 @@ pub fn examine_together(logs: &[&Sieved], robot: Option<&Robot>) -> Result<Toget
                 let of = |&joint: &usize| finding.place == view.place("q", joint);
                 (0..view.dof()).find(of).is_some_and(|joint| {
                     own.description.changes_position_of(joint)
-                        && !motion::leaves_limits(robot, joint, right.channel(joint))
+                        && !motion::leaves_limits(limits_of, joint, right.channel(joint))
                 })
             };
             reports[log].findings.retain(|finding| finding.kind != Kind::OutsideLimits || !explained(finding));

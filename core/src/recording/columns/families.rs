@@ -3,6 +3,7 @@
 use super::bare;
 use super::names::{self, Joint, Meaning};
 use super::prefixes::most_behind_prefix;
+use super::spelling;
 use std::collections::BTreeMap;
 
 /// A column that is the signal of a joint, as one reading of its name has it.
@@ -171,10 +172,20 @@ pub struct JointNames {
     pub numbered: usize,
 }
 
+/// All ways to understand the names of a header, in which `known` joints are spelled as the robot spells them, and a note on columns that are
+/// taken for positions without saying so. Names that number the joints stay: they are taken by their numbers.
+pub(super) fn meanings(header: &[String], known: &[String]) -> (Vec<Vec<Meaning>>, Option<String>) {
+    let (mut meanings, note) = bare::meanings(header);
+    if numbers_in_names(&meanings, own_names(&meanings).len()).is_empty() {
+        spelling::correct(&mut meanings, known);
+    }
+    (meanings, note)
+}
+
 /// The joints whose positions a header names or numbers. Those of `known` that it names are found under every name that a reader who
 /// wants them understands.
 pub(crate) fn joint_names(header: &[String], known: &[String]) -> JointNames {
-    let (meanings, _) = bare::meanings(header);
+    let (meanings, _) = meanings(header, known);
     let is_numbered = |meaning: &&&Meaning| matches!(meaning.joint, Joint::Number(_));
     let numbered = positions(&meanings).iter().filter(is_numbered).count();
     let names = own_names(&meanings);

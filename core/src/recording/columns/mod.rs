@@ -15,6 +15,7 @@ mod prefixes;
 mod resolve;
 mod search;
 mod spare_currents;
+mod spelling;
 mod unknown_units;
 
 pub use families::JointNames;

@@ -101,11 +101,24 @@ impl Resolver<'_> {
         };
         let of_rows = |column: &String| ["name", "joint", "joint_name"].contains(&column.to_lowercase().as_str());
         let cure = match found.is_empty() {
-            true if self.header.iter().any(of_rows) => CURE_OF_LONG,
-            true => CURE_OF_SIGNALS,
-            false => "",
+            true => match self.header.iter().find(|column| of_rows(column)) {
+                Some(joint) => self.cure_of_long(joint),
+                None => CURE_OF_SIGNALS.to_owned(),
+            },
+            false => String::new(),
         };
-        Err(self.missing(&column, &reason, cure))
+        Err(self.missing(&column, &reason, &cure))
+    }
+
+    /// What helps where each row is of the one joint that column `joint` names.
+    fn cure_of_long(&self, joint: &str) -> String {
+        let others = self.header.iter().enumerate().filter(|(_, name)| *name != joint);
+        let times = others.filter_map(|(column, name)| Some((names::time(name, column)?.rank, name)));
+        let time = times.min_by_key(|(rank, _)| *rank).map_or("time", |(_, name)| name.as_str());
+        format!(
+            "; each row holds one joint: make one row of each time, as pandas does with pivot(index=\"{time}\", columns=\"{joint}\"), and \
+             join the two levels of names by \"/\""
+        )
     }
 
     fn missing(&self, column: &str, reason: &str, cure: &str) -> Error {
@@ -163,7 +176,3 @@ const CURE_OF_TIME: &str = "; without one, give the sampling rate in a dataset: 
 /// What helps where positions or torques are not there.
 const CURE_OF_SIGNALS: &str =
     "; if another file holds them, name both in a dataset: [[train]] files = [\"q.csv\", \"tau.csv\"]";
-
-/// What helps where each row is of one joint.
-const CURE_OF_LONG: &str = "; each row holds one joint: make one row of each time, as pandas does with pivot(index=\"time\", \
-                            columns=\"name\"), and join the two levels of names by \"/\"";

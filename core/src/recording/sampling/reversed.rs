@@ -1,4 +1,4 @@
-//! Rows in the reverse order of time, as tables sorted by it downwards have them.
+//! Rows in the reverse order of time, as tables sorted by it downwards have them, and clocks that count down.
 
 use super::unit::joined;
 use crate::recording::columns::{ABSENT, Layout};
@@ -9,7 +9,14 @@ const BACKWARD: f64 = 0.9;
 /// Fewer steps say nothing of the order.
 const FEWEST: usize = 20;
 
-/// Puts rows in reverse order of time right, with their `lines` in the file; returns what was done.
+/// Rows over which a change of position is compared with velocities: from one row to the next it may be rounding.
+const STRIDE: usize = 10;
+
+/// Correlation of changes of position with velocities from which on a joint shows which way time goes.
+const SHOWN: f64 = 0.5;
+
+/// Puts rows in reverse order of time right, with their `lines` in the file; returns what was done. Where velocities show that the rows are
+/// in order, the clock counts down, and is turned instead.
 pub(crate) fn undo(layout: &Layout, columns: &mut [Vec<f64>], lines: &mut [usize]) -> Option<String> {
     if layout.time() == ABSENT {
         return None;
@@ -21,6 +28,16 @@ pub(crate) fn undo(layout: &Layout, columns: &mut [Vec<f64>], lines: &mut [usize
     };
     if !backwards {
         return None;
+    }
+    if layout.nanoseconds().is_none() && in_order(layout, columns) {
+        let time = &mut columns[layout.time()];
+        let finite = || time.iter().copied().filter(|time| time.is_finite());
+        let both = finite().next()? + finite().next_back()?;
+        time.iter_mut().for_each(|time| *time = both - *time);
+        return Some(
+            "the clock counts down: velocities show that the rows are in order, and time is taken to increase"
+                .to_owned(),
+        );
     }
     columns.iter_mut().for_each(|values| values.reverse());
     lines.reverse();
@@ -35,9 +52,75 @@ fn runs_backwards(time: &[f64]) -> bool {
     back + forth >= FEWEST && back as f64 >= BACKWARD * (back + forth) as f64 && finite.last() < finite.first()
 }
 
+/// Whether the velocities of all joints that move are those of the rows as they stand.
+fn in_order(layout: &Layout, columns: &[Vec<f64>]) -> bool {
+    let both = layout.positions().iter().zip(layout.velocities().unwrap_or_default());
+    let logged = both.filter(|(q, qd)| **q != ABSENT && **qd != ABSENT);
+    let each = logged.filter_map(|(&q, &qd)| correlation(&columns[q], &columns[qd])).filter(|own| own.abs() > SHOWN);
+    let each: Vec<f64> = each.collect();
+    !each.is_empty() && each.iter().all(|own| *own > 0.0)
+}
+
+/// Correlation of changes of position with velocities between them; None where nothing changes.
+fn correlation(q: &[f64], qd: &[f64]) -> Option<f64> {
+    let pairs = q.windows(STRIDE + 1).zip(qd.windows(STRIDE + 1));
+    let pairs = pairs.map(|(q, qd)| (q[STRIDE] - q[0], qd.iter().sum::<f64>()));
+    let [mut both, mut changes, mut velocities] = [0.0; 3];
+    for (change, velocity) in pairs.filter(|(change, velocity)| change.is_finite() && velocity.is_finite()) {
+        both += change * velocity;
+        changes += change * change;
+        velocities += velocity * velocity;
+    }
+    let size = (changes * velocities).sqrt();
+    (size > 0.0).then(|| both / size)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn velocities_show_which_way_rows_go() {
+        let angle = |row: u32| 0.02 * f64::from(row);
+        let q: Vec<f64> = (0..600).map(|row| angle(row).sin()).collect();
+        let qd: Vec<f64> = (0..600).map(|row| angle(row).cos()).collect();
+        let reversed: Vec<f64> = qd.iter().map(|qd| -qd).collect();
+        let shown = |qd: &[f64]| correlation(&q, qd).unwrap();
+        assert!(shown(&qd) > 0.99 && shown(&reversed) < -0.99);
+        // A velocity that lags by nearly 60 degrees shows it still, one by more does not.
+        let late = |by: f64| (0..600).map(|row| (angle(row) - by).cos()).collect::<Vec<f64>>();
+        assert!(shown(&late(1.0)) > SHOWN && shown(&late(1.1)).abs() < SHOWN);
+        assert_eq!(correlation(&q, &vec![0.0; 600]), None);
+    }
+
+    #[test]
+    fn a_clock_that_counts_down_leaves_rows_in_order() {
+        let header: Vec<String> = ["t", "q1", "q2", "qd1", "qd2", "tau1", "tau2"].map(str::to_owned).to_vec();
+        let layout = Layout::find("log.csv".as_ref(), None, &header, None).unwrap();
+        let angle = |row: u32| 0.02 * f64::from(row);
+        let of = |signal: &dyn Fn(u32) -> f64| (0..600).map(signal).collect::<Vec<f64>>();
+        let undone = |signs: [f64; 2]| {
+            let [one, two] = signs;
+            let mut columns = vec![
+                of(&|row| 5.0 + 0.01 * f64::from(599 - row)),
+                of(&|row| angle(row).sin()),
+                of(&|row| angle(row).cos()),
+                of(&|row| one * angle(row).cos()),
+                of(&|row| -two * angle(row).sin()),
+                of(&|row| f64::from(row)),
+                of(&|row| f64::from(row)),
+            ];
+            let mut lines: Vec<usize> = (2..602).collect();
+            let said = undo(&layout, &mut columns, &mut lines).unwrap();
+            assert!(columns[0].is_sorted() && columns[0][0] == 5.0);
+            (said.contains("counts down"), columns[5][0] == 0.0, lines[0] == 2)
+        };
+        assert_eq!(undone([1.0, 1.0]), (true, true, true));
+        // Reversed rows, and velocities of which one joint denies what another shows.
+        assert_eq!([undone([-1.0, -1.0]), undone([1.0, -1.0])], [(false, false, false); 2]);
+        // A joint without velocity shows nothing.
+        assert_eq!([undone([1.0, 0.0]), undone([0.0, 0.0])], [(true, true, true), (false, false, false)]);
+    }
 
     #[test]
     fn only_time_that_runs_backwards_throughout_is_reversed() {

@@ -68,7 +68,7 @@ impl Assembly<'_> {
 
     /// The links that move as one with `link`, with their poses in it; of those that hang on fixed joints alone the deepest is
     /// the last.
-    fn welded(&self, link: usize) -> Vec<(usize, Pose)> {
+    pub(super) fn welded(&self, link: usize) -> Vec<(usize, Pose)> {
         let mut found = Vec::new();
         let mut open = vec![(link, Pose::identity())];
         while let Some((link, place)) = open.pop() {

@@ -70,6 +70,7 @@ impl Description {
         let mut assembly = Assembly { file: self, inertias, places: &places, bodies: &bodies, notes: &mut notes };
         let made = bodies.iter().map(|&joint| assembly.joint(joint)).collect::<Result<Vec<_>>>()?;
         let (tip, flange) = assembly.flange(choice, &made)?;
+        let lifted = assembly.lifted();
         assembly.note_impossible_masses(&made);
         let (mut joints, parents): (Vec<Joint>, Vec<Option<usize>>) = made.into_iter().unzip();
         let trailing = joints.split_off(coordinates.len());
@@ -86,7 +87,21 @@ impl Description {
         let (name, source) = (self.name.clone(), self.source.clone());
         let columns = joints.iter().map(|joint| joint.name.clone()).collect();
         let (gravity, actuators) = (self.gravity, self.actuators.clone());
-        Ok(Robot { name, source, gravity, joints, flange, tree, columns, actuators, held, assumed, guessed, notes })
+        Ok(Robot {
+            name,
+            source,
+            gravity,
+            joints,
+            flange,
+            tree,
+            columns,
+            actuators,
+            held,
+            assumed,
+            guessed,
+            lifted,
+            notes,
+        })
     }
 }
 

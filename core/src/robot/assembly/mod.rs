@@ -7,6 +7,7 @@
 mod bodies;
 mod choice;
 mod flange;
+mod lifted;
 mod load;
 mod places;
 

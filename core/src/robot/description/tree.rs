@@ -101,6 +101,8 @@ pub struct LinkDescription {
     pub inertia: Inertia,
     /// What the file leaves out of the body although it gives one: an error where the body is to be believed.
     pub missing: Option<Missing>,
+    /// Share of its weight that a force at its centre of mass carries in a simulation (`gravcomp` of MuJoCo); zero elsewhere.
+    pub gravcomp: f64,
     /// Line in the file, for error messages.
     pub line: Option<usize>,
 }

@@ -57,6 +57,9 @@ pub struct Robot {
     pub assumed: Vec<String>,
     /// Those of them that stand on a joint that moves, at a position that neither a log nor anyone gave, each with that joint.
     pub guessed: Vec<(String, String)>,
+    /// Links whose weight a force of the simulator carries (`gravcomp` of MuJoCo), where other links that move have another share of theirs:
+    /// inertia and weight of the described bodies then need not be those of the torques. Empty where all have the same share, none or all.
+    pub lifted: Vec<String>,
     /// What was read otherwise than it is written, and which joints are held; a line each.
     pub notes: Vec<String>,
 }

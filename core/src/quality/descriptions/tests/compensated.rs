@@ -50,6 +50,19 @@ fn gravity_that_a_controller_takes_off_is_nothing_else() {
     assert!(wrong.is_empty() && found > 0, "{found}: {}", wrong.join("\n"));
 }
 
+/// Torques that lack the weight of some links, as `gravcomp` of MuJoCo makes them, are judged by no bodies.
+#[test]
+fn weights_that_a_simulator_carries_in_part_accuse_nothing() {
+    let robot = Robot { lifted: vec!["link_4".to_owned()], ..irb() };
+    let mut outer = irb();
+    outer.joints[..3].iter_mut().for_each(|joint| joint.inertia = Inertia::default());
+    let logs = [0, 1].map(|log| compensated(simulated(&irb(), Oddity::None, 15.0, 40 + log), &outer));
+    assert_eq!(accusations(&logs, Some(&robot)), Vec::<String>::new());
+    // Of the whole arm, the torque without gravity is still found.
+    let logs = [0, 1].map(|log| compensated(simulated(&irb(), Oddity::None, 15.0, 40 + log), &irb()));
+    assert!(!accusations(&logs, Some(&irb())).is_empty());
+}
+
 /// What a controller leaves of gravity where its masses are wrong by some per cent is that of no other robot.
 #[test]
 fn gravity_that_is_left_is_no_other_robot() {

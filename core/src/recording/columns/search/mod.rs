@@ -1,7 +1,6 @@
 //! The search for the columns of a recording by their names.
 
-use super::bare;
-use super::families::{Place, any_position, base, best_family, candidates, numbers_in_names, own_names};
+use super::families::{self, Place, any_position, base, best_family, candidates, numbers_in_names, own_names};
 use super::layout::{ABSENT, Layout};
 use super::names::{self, QUANTITIES, TRUE};
 use super::prefixes::{behind_prefix, several};
@@ -55,7 +54,7 @@ impl Layout {
         joints: Option<&[String]>,
         demand: Demand,
     ) -> Result<Layout> {
-        let (meanings, on_bare) = bare::meanings(header);
+        let (meanings, on_bare) = families::meanings(header, joints.unwrap_or_default());
         let names = match joints {
             Some(joints) => joints.to_vec(),
             None => own_names(&meanings),

@@ -78,7 +78,13 @@ pub(crate) fn of(path: &Path) -> Result<Format> {
     if is(b"\x89MCAP0\r\n") || is(b"SQLite format 3\0") {
         return Err(unknown_format(path));
     }
-    if extension == "parquet" { parquet(path) } else { Ok(Format::Text) }
+    if extension == "parquet" && !is_lines(&start) { parquet(path) } else { Ok(Format::Text) }
+}
+
+/// Whether the start of a file is text in lines: a table in text, whatever its name says.
+fn is_lines(start: &[u8]) -> bool {
+    let is_text = |byte: &u8| !byte.is_ascii_control() || byte.is_ascii_whitespace();
+    start.contains(&b'\n') && start.iter().all(is_text)
 }
 
 #[cfg(feature = "parquet")]
@@ -237,19 +243,24 @@ mod tests {
             assert!(words.iter().all(|word| said.contains(word)), "{name}: {said}");
             assert_eq!(said.lines().count(), 1);
         }
-        for (name, content, format) in
-            [("a.txt", &b"t q1 tau1\n"[..], "Text"), ("a", b"t,q1,tau1\n", "Text"), ("a.bin", b"\x93NUMPY\x01", "Npy")]
-        {
+        for (name, content, format) in [
+            ("a.txt", &b"t q1 tau1\n"[..], "Text"),
+            ("a.parquet", b"t,q1,tau1\r\n0,1,2", "Text"),
+            ("a", b"t,q1,tau1\n", "Text"),
+            ("a.bin", b"\x93NUMPY\x01", "Npy"),
+        ] {
             assert_eq!(said(name, content), format);
         }
     }
 
     #[test]
     fn a_build_says_what_it_was_made_without() {
-        let parquet = ["a.csv", "a.parquet"].map(|name| said(name, b"PAR1\0"));
+        let mut parquet = ["a.csv", "a.parquet"].map(|name| said(name, b"PAR1\0")).to_vec();
+        // Lines that hold other bytes than text, and text without lines.
+        parquet.extend([&b"t\0\n"[..], b"t,q1"].map(|content| said("a.parquet", content)));
         let bags = said("a.mcap", b"\x89MCAP0\r\n");
         match cfg!(feature = "parquet") {
-            true => assert_eq!(parquet, ["Parquet"; 2]),
+            true => assert_eq!(parquet, ["Parquet"; 4]),
             false => assert!(parquet.iter().all(|said| said.contains("Parquet files") && said.contains("`parquet`"))),
         }
         match cfg!(feature = "bags") {

@@ -22,6 +22,17 @@ pub(super) fn not_a_number(cell: &[u8]) -> String {
     }
 }
 
+/// What dates are read, behind a cell that is none.
+pub(super) const FORMS_OF_DATES: &str =
+    "; a date is read as 2026-03-05 11:59:55.004 or 20260305T115955.004, a time of day as 11:59:55.004";
+
+/// Whether a cell that is not read may be meant as a date or a time of day: digits around a colon, a stroke or a hyphen.
+pub(super) fn is_like_a_date(cell: &[u8]) -> bool {
+    let is_digit = |byte: &u8| byte.is_ascii_digit();
+    let splits = |at: usize| cell[..at].iter().any(is_digit) && cell[at..].iter().any(is_digit);
+    (0..cell.len()).any(|at| b":/-".contains(&cell[at]) && splits(at))
+}
+
 /// A cell as a number; `decimal_comma` takes 1,5 for 1.5.
 pub(super) fn number(cell: &[u8], decimal_comma: bool) -> Option<f64> {
     let cell = std::str::from_utf8(cell.trim_ascii()).ok()?;
@@ -57,7 +68,7 @@ fn grouped(cell: &str) -> Option<f64> {
 }
 
 /// Seconds of a date with a time, from 1970, of a time of day, from midnight, or of a duration in days, hours, minutes and seconds:
-/// `2024-05-01 12:00:00.004`, `5/1/2024 12:00:00 PM`, `0 days 00:00:00.004`.
+/// `2024-05-01 12:00:00.004`, `2024/05/01-12:00:00`, `20240501T120000.004`, `5/1/2024 12:00:00 PM`, `12:00:00:004`, `0 days 00:00:00.004`.
 pub(super) fn date(cell: &[u8]) -> Option<f64> {
     let cell = std::str::from_utf8(cell.trim_ascii()).ok()?;
     if let Some((days, clock)) = cell.split_once(" day") {
@@ -65,7 +76,10 @@ pub(super) fn date(cell: &[u8]) -> Option<f64> {
     }
     let (day, clock) = match cell.split_once(['T', ' ']) {
         Some((day, clock)) if !day.contains(':') => (Some(day), clock),
-        _ => (None, cell),
+        _ => match behind_day(cell) {
+            Some((day, clock)) => (Some(day), clock),
+            None => (None, cell),
+        },
     };
     let half = clock.rsplit_once(' ').and_then(|(clock, half)| match half.to_ascii_lowercase().as_str() {
         "am" => Some((clock, 0.0)),
@@ -76,15 +90,43 @@ pub(super) fn date(cell: &[u8]) -> Option<f64> {
     let clock = half.map_or(clock, |(clock, _)| clock).trim_end_matches('Z');
     let clock = clock.split_once(['+', ' ']).map_or(clock, |(clock, _)| clock);
     let clock = clock.rsplit_once('-').map_or(clock, |(clock, _)| clock);
-    let mut parts = clock.split(':');
+    let compact = day.and_then(|_| colons(clock));
+    let mut parts = compact.as_deref().unwrap_or(clock).split(':');
     let mut next = || parts.next()?.replace(',', ".").parse::<f64>().ok();
     let (hours, minutes, seconds) = (next()?, next()?, next()?);
+    let seconds = match (parts.next(), parts.next()) {
+        (None, _) => seconds,
+        (Some(part), None) => seconds + thousandths(part)?,
+        _ => return None,
+    };
     let hours = half.map_or(hours, |(_, half)| half + hours % 12.0);
     let days = match day {
         None => 0.0,
         Some(day) => days_of(day)? as f64,
     };
     Some(86400.0 * days + 3600.0 * hours + 60.0 * minutes + seconds)
+}
+
+/// A date and the time of day behind it, with a hyphen or an underscore between them.
+fn behind_day(cell: &str) -> Option<(&str, &str)> {
+    let end = cell.find(':').unwrap_or(cell.len());
+    let (day, _) = cell[..end].rsplit_once(['-', '_'])?;
+    let is_day = day.bytes().all(|byte| byte.is_ascii_digit() || b"-/.".contains(&byte)) && days_of(day).is_some();
+    is_day.then(|| (day, &cell[day.len() + 1..]))
+}
+
+/// A time of day without colons, `115955.004`, with them.
+fn colons(clock: &str) -> Option<String> {
+    let whole = clock.split(['.', ',']).next()?;
+    let is_compact = whole.len() == 6 && whole.bytes().all(|byte| byte.is_ascii_digit());
+    is_compact.then(|| format!("{}:{}:{}", &clock[..2], &clock[2..4], &clock[4..]))
+}
+
+/// The part of a second behind a last colon: up to three digits are ms, up to six us, up to nine ns.
+fn thousandths(part: &str) -> Option<f64> {
+    let is_part = (1..=9).contains(&part.len()) && part.bytes().all(|byte| byte.is_ascii_digit());
+    let groups = i32::try_from(part.len().div_ceil(3)).ok()?;
+    Some(part.parse::<f64>().ok().filter(|_| is_part)? / 1000f64.powi(groups))
 }
 
 /// Seconds of a duration as pandas writes it, `0 days 00:00:00.004` and `-1 days +23:59:59.5`, from both sides of ` day`. One of whole days
@@ -105,6 +147,10 @@ fn duration(days: &str, clock: &str) -> Option<f64> {
 /// Days from 1970 of a date: year, month, day; or with the year last, behind day and month with points, and behind month and day or
 /// day and month with strokes. A log of minutes has one order or the other, and its steps are the same.
 fn days_of(day: &str) -> Option<i64> {
+    if day.len() == 8 && day.bytes().all(|byte| byte.is_ascii_digit()) {
+        let of = |range: std::ops::Range<usize>| day[range].parse().ok();
+        return Some(days_from_1970(of(0..4)?, of(4..6)?, of(6..8)?));
+    }
     let mut parts = day.split(['-', '/', '.']);
     let mut next = || parts.next()?.parse::<i64>().ok();
     let (first, second, third) = (next()?, next()?, next()?);
@@ -166,8 +212,38 @@ mod tests {
         assert_eq!(date(b"2/29/2024 12:00:00 PM"), Some(1_709_208_000.0));
         assert_eq!(date(b"29.02.2024 12:00:00"), Some(1_709_208_000.0));
         assert_eq!(date(b"00:01:02.25"), Some(62.25));
+        for cell in [
+            "20240229T120000",
+            "2024/02/29-12:00:00",
+            "2024-02-29_12:00:00",
+            "20240229-120000",
+            "2024-02-29T12:00:00-00:00",
+        ] {
+            assert_eq!(date(cell.as_bytes()), Some(1_709_208_000.0), "{cell}");
+        }
+        assert_eq!([date(b"20240229T120000.25"), date(b"2024-02-29T120000,25Z")], [Some(1_709_208_000.25); 2]);
+        assert_eq!([date(b"20240229T12000"), date(b"20240229"), date(b"a_b"), date(b"q-1:0:0")], [None; 4]);
         assert_eq!([date(b"12:00:01 AM"), date(b"01:00:00 pm")], [Some(1.0), Some(46800.0)]);
         assert_eq!((date(b"1.5"), date(b"x:y:z"), date(b"")), (None, None, None));
+    }
+
+    #[test]
+    fn what_may_be_a_date_is_known() {
+        assert!(["5 March 11:59", "2026/3", "1-2"].iter().all(|cell| is_like_a_date(cell.as_bytes())));
+        assert!(["x", "12", "-5x", "5:", "a/b"].iter().all(|cell| !is_like_a_date(cell.as_bytes())));
+    }
+
+    #[test]
+    fn a_fraction_may_stand_behind_a_colon_or_a_comma() {
+        assert_eq!(
+            [date(b"00:00:55:250"), date(b"00:00:55,250"), date(b"00:00:55:5")],
+            [Some(55.25), Some(55.25), Some(55.005)]
+        );
+        assert_eq!([date(b"00:00:55:2500"), date(b"00:00:55:500000000")], [Some(55.0025), Some(55.5)]);
+        assert_eq!(
+            [date(b"00:00:55:0000000000"), date(b"00:00:55:"), date(b"0:0:0:0:0"), date(b"0:0:0:-1")],
+            [None; 4]
+        );
     }
 
     #[test]

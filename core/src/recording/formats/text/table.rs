@@ -1,6 +1,6 @@
 //! A table in text of which the header is understood, and its rows as numbers.
 
-use super::cells::{date, is_empty, list, not_a_number, number, of_width};
+use super::cells::{FORMS_OF_DATES, date, is_empty, is_like_a_date, list, not_a_number, number, of_width};
 use super::comments::blank_comments;
 use super::quotes::without_open_quotes;
 use super::separators::{blanks_to_tabs, separator};
@@ -173,6 +173,9 @@ impl Text {
                 match number {
                     Some(number) => Ok(number),
                     None if lenient && is_empty(cell) => Ok(f64::NAN),
+                    None if is_time[column] && is_like_a_date(cell) => {
+                        Err(format!("{}{FORMS_OF_DATES}", not_a_number(cell)))
+                    }
                     None => Err(not_a_number(cell)),
                 }
             };

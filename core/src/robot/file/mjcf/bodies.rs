@@ -67,7 +67,13 @@ impl<'a> Bodies<'a> {
             weightless: Vec::new(),
         };
         let name = bodies.link_names.unique("world".to_owned());
-        bodies.links.push(LinkDescription { name, inertia: Inertia::default(), missing: None, line: None });
+        bodies.links.push(LinkDescription {
+            name,
+            inertia: Inertia::default(),
+            missing: None,
+            gravcomp: 0.0,
+            line: None,
+        });
         for world in root.all("worldbody") {
             let place = Place { link: 0, frame: Pose::identity(), class: class_within(world, None) };
             bodies.contents(world, place)?;
@@ -97,8 +103,9 @@ impl<'a> Bodies<'a> {
         }
         if !self.lifted.is_empty() {
             let names = self.lifted.join(", ");
-            self.notes
-                .push(format!("gravcomp is not read: in MuJoCo a force carries the weight of these bodies ({names})"));
+            self.notes.push(format!(
+                "gravcomp is not modelled: in MuJoCo a force carries the weight of these bodies ({names})"
+            ));
         }
     }
 
@@ -130,7 +137,8 @@ impl<'a> Bodies<'a> {
         let mut joints = Vec::new();
         self.joints_of(element, Pose::identity(), place.class, &mut joints)?;
         let body = shapes::body(element, self.models, place.class)?;
-        if Settled::plain(element).number("gravcomp")?.is_some_and(|share| share != 0.0) {
+        let gravcomp = Settled::plain(element).number("gravcomp")?.unwrap_or(0.0);
+        if gravcomp != 0.0 {
             self.lifted.push(name.clone());
         }
         let (mut link, mut frame) = (place.link, place.frame);
@@ -150,6 +158,7 @@ impl<'a> Bodies<'a> {
             (link, frame) = (child, Pose { rotation: Matrix3::identity(), translation: -anchor });
         }
         self.links[link].inertia = body.inertia.seen_from_parent(&frame.rotation, &frame.translation);
+        self.links[link].gravcomp = gravcomp;
         if body.overruled {
             self.overruled.push(name.clone());
         }
@@ -189,7 +198,8 @@ impl<'a> Bodies<'a> {
     }
 
     fn link(&mut self, name: String, line: usize) -> usize {
-        self.links.push(LinkDescription { name, inertia: Inertia::default(), missing: None, line: Some(line) });
+        let line = Some(line);
+        self.links.push(LinkDescription { name, inertia: Inertia::default(), missing: None, gravcomp: 0.0, line });
         self.links.len() - 1
     }
 

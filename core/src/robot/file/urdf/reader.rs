@@ -145,7 +145,7 @@ impl Reader<'_, '_> {
             notes.push(format!("link `{name}` (line {line}) has a mass and no <inertia>: it is taken as a point mass"));
         }
         let missing = inertial.and_then(|inertial| missing(name, &inertial));
-        LinkDescription { name: (*name).to_owned(), inertia, missing, line: Some(line(node)) }
+        LinkDescription { name: (*name).to_owned(), inertia, missing, gravcomp: 0.0, line: Some(line(node)) }
     }
 
     fn joint(

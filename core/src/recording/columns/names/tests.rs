@@ -210,9 +210,9 @@ fn the_present_value_and_units_of_words() {
     let joint = |column: &str| first(column).map(|(quantity, joint)| (quantity, joint, meanings(column)[0].current));
     for (column, quantity) in [
         ("joint1 current torque", TORQUE),
-        ("joint1_current_torque", TORQUE),
-        ("joint1_present_velocity", VELOCITY),
-        ("joint1_actual_position", POSITION),
+        ("joint1_Drehmoment", TORQUE),
+        ("joint1 present velocity", VELOCITY),
+        ("joint1 actual position", POSITION),
     ] {
         assert_eq!(joint(column), Some((quantity, Joint::Name("joint1".into()), false)), "{column}");
     }

@@ -57,7 +57,7 @@ impl Dataset {
         let position = self.units("units.position", &units.position, dof)?;
         let velocity = self.units("units.velocity", &units.velocity, dof)?;
         let acceleration = self.units("units.acceleration", &units.acceleration, dof)?;
-        self.are_no_radians(&log.q, &position, &motion_gear)?;
+        sieved.corrections.extend(self.doubt_on_degrees(&log.q, &position, &motion_gear));
         apply(&mut log.q, &moved(position));
         for (joint, offset) in
             self.offsets("motors.position_offset", &motors.position_offset, dof)?.into_iter().enumerate()
@@ -76,6 +76,9 @@ impl Dataset {
             log.tau.channel_mut(joint).iter_mut().for_each(|torque| *torque -= offset);
         }
         log.truth = None;
+        // Offsets are in SI units: what was added to converted values cannot be converted back with them.
+        let has_offset = [motors.position_offset.is_some(), motors.torque_offset.is_some()];
+        sieved.doubts.retain(|doubt| !has_offset[usize::from(doubt.is_of_torque())]);
 
         if let Some((joints, motors)) = self.coupling(dof)? {
             log.q = joints.positions(&log.q);
@@ -104,21 +107,18 @@ impl Dataset {
         }
     }
 
-    /// Refuses degrees in which no joint goes as far as a turn has radians: no arm is identified from such a motion.
-    fn are_no_radians(&self, q: &Channels, unit: &[f64], gear: &[f64]) -> Result<()> {
+    /// What is said of degrees in which no joint goes as far as a turn has radians: the dataset decides it, though few arms move so little.
+    fn doubt_on_degrees(&self, q: &Channels, unit: &[f64], gear: &[f64]) -> Option<String> {
         let largest =
             |joint: usize| q.channel(joint).iter().filter(|q| q.is_finite()).fold(0.0f64, |m, q| m.max(q.abs()));
         let in_degrees = (0..unit.len()).filter(|&joint| unit[joint] == 1f64.to_radians() && gear[joint] == 1.0);
         let sizes: Vec<f64> = in_degrees.map(largest).filter(|size| *size > 0.0).collect();
         let most = sizes.iter().copied().fold(0.0, f64::max);
-        if sizes.len() < FEWEST_DEGREES || most > TAU {
-            return Ok(());
-        }
-        let problem = format!(
-            "is deg, and no position exceeds {most:.3} in number, as in rad: the arm would turn by {most:.1} degrees at most; remove the key \
-             if the positions are in rad"
-        );
-        Err(self.error("units.position", problem))
+        (sizes.len() >= FEWEST_DEGREES && most <= TAU).then(|| {
+            format!(
+                "positions are in deg by units.position of the dataset, and none exceeds {most:.3} deg: if they are in rad, set it to \"rad\""
+            )
+        })
     }
 
     /// The factor of the unit of each joint.

@@ -5,6 +5,7 @@ use super::order::select;
 use super::spec::Part;
 use super::units::TimeUnit;
 use crate::error::Result;
+use crate::quality;
 use crate::recording::lenient::{self, ColumnMap, Sieved};
 use crate::robot::Robot;
 use std::path::{Path, PathBuf};
@@ -51,6 +52,7 @@ impl Dataset {
         self.convert(&mut sieved)?;
         select(&mut sieved, order, &robot.joint_names());
         self.exchange(&mut sieved.recording)?;
+        quality::settle_named_units(&mut sieved, robot)?;
         Ok(sieved)
     }
 
@@ -93,6 +95,7 @@ pub fn read(path: &Path, robot: &Robot) -> Result<Sieved> {
     let mut sieved = lenient::load(path, Some(&robot.columns), &map)?;
     sieved.corrections.extend(gears(&sieved, robot));
     select(&mut sieved, &robot.columns, &robot.joint_names());
+    quality::settle_named_units(&mut sieved, robot)?;
     Ok(sieved)
 }
 

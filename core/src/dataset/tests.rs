@@ -315,10 +315,17 @@ fn a_torque_without_its_sign_is_left_out() {
 }
 
 #[test]
-fn angles_that_are_in_rad_are_not_taken_for_degrees() {
-    let text = "[[train]]\nfile = \"log.csv\"\n[units]\nposition = \"deg\"\n";
-    let of = |last: f64| Case::new(text, &format!("t,q1,q2,tau1,tau2\n0,0.5,-1,1,2\n1,1.5,{last},1,2\n")).read();
-    let refused = of(-6.2).unwrap_err().to_string();
-    assert!(refused.contains("units.position") && refused.contains("remove the key"), "{refused}");
-    assert!((of(-6.3).unwrap().q.channel(1)[1] + 6.3f64.to_radians()).abs() < 1e-15);
+fn degrees_of_a_dataset_stay_however_small() {
+    let text = "[[train]]\nfile = \"log.csv\"\n[units]\nposition = UNIT\n";
+    for unit in ["\"deg\"", "[\"deg\", \"deg\"]"] {
+        for (last, is_noted) in [(-6.2, true), (-6.3, false)] {
+            let rows = format!("t,q1,q2,tau1,tau2\n0,0.5,-1,1,2\n1,1.5,{last},1,2\n");
+            let case = Case::new(&text.replace("UNIT", unit), &rows);
+            let [train, _] = case.dataset().unwrap().sieved(&case.robot()).unwrap();
+            let log = &train[0].1;
+            assert!((log.recording.q.channel(1)[1] - f64::to_radians(last)).abs() < 1e-15);
+            let noted = log.corrections.iter().any(|note| note.contains("set it to \"rad\""));
+            assert_eq!(noted, is_noted, "{unit} {last}: {:?}", log.corrections);
+        }
+    }
 }

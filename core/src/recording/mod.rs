@@ -19,6 +19,7 @@ mod sampling;
 mod signals;
 
 pub use arrays::{JointArrays, Joints};
+pub(crate) use cleaning::unwrap;
 pub(crate) use columns::names::{ACCELERATION, POSITION, TORQUE, Unit, VELOCITY};
 pub use files::{load, save, writable};
 pub use formats::csv;

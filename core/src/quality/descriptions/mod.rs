@@ -47,9 +47,15 @@ pub use findings::{is_description, words};
 pub(super) use judgement::{Judged, is_modelled, judge};
 pub(super) use lost_signs::{is_explained_with_signs, without_sign};
 pub(super) use motion_units::{
-    ClockFactor, are_turns, clock_factor, clock_text, gear_ratio, in_si_units, torques_deny_clock, unsure_clock_text,
+    ClockFactor, are_radians, are_turns, clock_factor, clock_text, gear_ratio, in_si_units, torques_deny_clock,
+    unsure_clock_text,
 };
 pub use verdict::{Alternative, Shown, Spread, Verdict};
+
+/// Whether a robot has bodies that can exist.
+pub(super) fn has_bodies(robot: &crate::robot::Robot) -> bool {
+    fitting::Physics::bodies(robot).is_some()
+}
 
 #[cfg(test)]
 mod tests;

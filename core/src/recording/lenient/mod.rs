@@ -12,5 +12,6 @@ mod units;
 
 pub use super::cleaning::{Cause, Rejected};
 pub use super::columns::{Column, ColumnMap, JointNames};
+pub use plausible::DoubtfulUnit;
 pub(crate) use read::load_together;
 pub use read::{Sieved, joint_names, load, positions};

@@ -1,7 +1,7 @@
-//! Units of names that the values contradict: a header was written for another recorder, or by hand.
+//! Units of names that the size of the values makes doubtful: a header was written for another recorder, or by hand.
 //!
-//! Values are judged by the size of arms alone. A small arm, or a small motion, may have those of the name: so much is asked that
-//! no log of several joints has them, and a dataset decides otherwise.
+//! Values are judged by the size of arms alone. A small arm, or a small motion, has those of the name: so a name stays, with a note, until
+//! the torques deny it.
 
 use crate::recording::Recording;
 use crate::recording::columns::names::{POSITION, TORQUE, Unit, VELOCITY};
@@ -10,61 +10,67 @@ use std::f64::consts::TAU;
 /// Joints from which an arm is judged: a bench with one or two may move by a degree, or have a motor of a toy.
 const JOINTS: usize = 4;
 
-/// In degrees no joint of an arm leaves one turn in rad, but for an arm that stands stretched at its zeros; half of the joints move
-/// by more than this, which is nothing in degrees and the motion of a log in rad.
+/// In degrees few joints of an arm stay within one turn in rad; half of the joints move by more than this, which is little in degrees and
+/// the motion of a log in rad.
 const MOVES: f64 = 0.5;
 
-/// No arm has all its torques below this, N m: the drives of the smallest servos have ten times as much.
+/// Few arms have all their torques below this, N m.
 const LEAST_TORQUE: f64 = 0.1;
 
 /// Velocities are the changes of position per second within this ratio.
 const SAME: f64 = 1.3;
 
-/// Takes units away that the values contradict, and returns what was assumed instead.
-pub(super) fn without_contradicted(
-    log: &Recording,
-    units: &mut [Vec<Option<Unit>>; 4],
-    known: [bool; 4],
-) -> Vec<String> {
-    let mut notes = Vec::new();
-    if log.joints() < JOINTS {
-        return notes;
-    }
-    let all_in = |quantity: usize, symbol: &str| {
-        !known[quantity]
-            && !units[quantity].is_empty()
-            && units[quantity].iter().all(|unit| unit.is_some_and(|unit| unit.symbol == symbol))
-    };
-    let (degrees, rates) = (all_in(POSITION, "deg") && are_radians(log), all_in(VELOCITY, "deg/s"));
-    let millis = all_in(TORQUE, "mN m") && largest(log.tau.as_slice()) * 1e-3 < LEAST_TORQUE;
-    if degrees {
-        units[POSITION].fill(None);
-        let follow = rates && of_positions(log);
-        if follow {
-            units[VELOCITY].fill(None);
-        }
-        notes.push(format!(
-            "the names of the positions say deg, but no joint leaves one turn in rad and half of them move by more than {MOVES}: they{} are \
-             taken in rad; if they are in deg, say so with [units] position = \"deg\" in a dataset",
-            if follow { " and the velocities" } else { "" }
-        ));
-    }
-    if millis {
-        units[TORQUE].fill(None);
-        notes.push(format!(
-            "the names of the torques say mN m, in which no joint of this arm would have {LEAST_TORQUE} N m: they are taken in N m; if they are in \
-             mN m, say so with [units] torque = \"mNm\" in a dataset"
-        ));
-    }
-    notes
+/// A unit in the names of columns that the size of the values makes doubtful. The values are converted from it all the same.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DoubtfulUnit {
+    /// The unit of the names.
+    pub(crate) symbol: &'static str,
+    /// What one of it is in SI units: the values were multiplied by this.
+    pub(crate) factor: f64,
+    /// Whether position, velocity, acceleration and torque were.
+    pub(crate) quantities: [bool; 4],
+    /// What the corrections of the log say of it.
+    pub(crate) notes: Vec<String>,
 }
 
-fn largest(values: &[f64]) -> f64 {
+impl DoubtfulUnit {
+    /// Whether it is one of torques.
+    pub(crate) fn is_of_torque(&self) -> bool {
+        self.quantities[TORQUE]
+    }
+}
+
+/// Doubtful units of positions and torques.
+pub(super) fn doubtful(log: &Recording, units: &[Vec<Option<Unit>>; 4], known: [bool; 4]) -> Vec<DoubtfulUnit> {
+    let of = |quantity: usize, symbol: &str| {
+        let unit = units[quantity].first().copied().flatten().filter(|unit| unit.symbol == symbol)?;
+        let is_shared = !known[quantity] && units[quantity].iter().all(|own| *own == Some(unit));
+        is_shared.then_some(unit)
+    };
+    if log.joints() < JOINTS {
+        return Vec::new();
+    }
+    let doubt = |unit: Unit, quantities: &[usize]| DoubtfulUnit {
+        symbol: unit.symbol,
+        factor: unit.factor,
+        quantities: std::array::from_fn(|quantity| quantities.contains(&quantity)),
+        notes: Vec::new(),
+    };
+    let positions = of(POSITION, "deg").filter(|_| may_be_radians(log)).map(|unit| {
+        let rates = of(VELOCITY, "deg/s").is_some() && of_positions(log);
+        doubt(unit, if rates { &[POSITION, VELOCITY] } else { &[POSITION] })
+    });
+    let torques = of(TORQUE, "mN m").filter(|unit| largest(log.tau.as_slice()) * unit.factor < LEAST_TORQUE);
+    positions.into_iter().chain(torques.map(|unit| doubt(unit, &[TORQUE]))).collect()
+}
+
+/// The largest size of the values that are known.
+pub(super) fn largest(values: &[f64]) -> f64 {
     values.iter().filter(|value| value.is_finite()).fold(0.0, |most, value| most.max(value.abs()))
 }
 
-/// Whether positions that the names have in degrees are in rad.
-fn are_radians(log: &Recording) -> bool {
+/// Whether positions that the names have in degrees may be in rad.
+fn may_be_radians(log: &Recording) -> bool {
     let moves = |q: &[f64]| {
         let (low, high) =
             q.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &q| (low.min(q), high.max(q)));
@@ -113,32 +119,46 @@ mod tests {
 
     const DEGREES: [&str; 3] = [" [deg]", " [deg/s]", " [Nm]"];
 
-    #[test]
-    fn degrees_that_are_radians_are_taken_for_these() {
-        let largest = |sieved: &Sieved| super::largest(sieved.recording.q.as_slice());
-        let fastest = |sieved: &Sieved| super::largest(sieved.recording.qd.as_ref().unwrap().as_slice());
-        let radians = read(6, DEGREES, [1.2, 40.0], [false; 4]);
-        assert!((largest(&radians) - 1.2).abs() < 1e-3 && (fastest(&radians) - 2.4).abs() < 1e-3);
-        assert!(radians.corrections.iter().any(|note| note.contains("taken in rad")), "{:?}", radians.corrections);
-        // Two joints, a motion beyond one turn, a small one, and a unit that a dataset gives.
-        for (joints, swing) in [(2, 1.2), (6, 6.4), (6, 0.2)] {
-            let degrees = read(joints, DEGREES, [swing, 40.0], [false; 4]);
-            assert!(
-                (largest(&degrees) / swing * 57.3 - 1.0).abs() < 1e-2,
-                "{joints} {swing}: {:?}",
-                degrees.corrections
-            );
-        }
-        assert!((largest(&read(6, DEGREES, [1.2, 40.0], [true; 4])) - 1.2).abs() < 1e-3);
+    /// Symbol and quantities of the doubtful units.
+    fn doubts(sieved: &Sieved) -> Vec<(&str, [bool; 4])> {
+        sieved.doubts.iter().map(|doubt| (doubt.symbol, doubt.quantities)).collect()
     }
 
     #[test]
-    fn torques_below_those_of_any_arm_are_in_newton_metres() {
+    fn degrees_within_one_turn_in_rad_stay_and_are_doubtful() {
+        let largest = |table: &crate::channels::Channels| super::largest(table.as_slice());
+        for (joints, swing, known, is_doubtful) in [
+            (6, 1.2, false, true),
+            (6, 6.2, false, true),
+            (6, 6.4, false, false),
+            (6, 0.26, false, true),
+            (6, 0.24, false, false),
+            (3, 1.2, false, false),
+            (6, 1.2, true, false),
+        ] {
+            let read = read(joints, DEGREES, [swing, 40.0], [known; 4]);
+            let expected = if known { swing } else { swing.to_radians() };
+            assert!((largest(&read.recording.q) / expected - 1.0).abs() < 1e-3, "{joints} {swing} {known}");
+            assert!((largest(read.recording.qd.as_ref().unwrap()) / expected / 2.0 - 1.0).abs() < 1e-3);
+            let wanted: &[_] = if is_doubtful { &[("deg", [true, true, false, false])] } else { &[] };
+            assert_eq!(doubts(&read), wanted, "{joints} {swing} {known}");
+            assert!(read.doubts.iter().flat_map(|doubt| &doubt.notes).all(|note| read.corrections.contains(note)));
+        }
+        // Velocities without a unit are in that of the positions per second.
+        let unnamed = read(6, [" [deg]", "", " [Nm]"], [1.2, 40.0], [false; 4]);
+        assert_eq!(doubts(&unnamed), [("deg", [true, true, false, false])]);
+        assert!(unnamed.corrections.join(" ").contains("no position exceeds 1.2 deg"), "{:?}", unnamed.corrections);
+    }
+
+    #[test]
+    fn torques_of_a_small_arm_stay_and_are_doubtful() {
         let names = [" [rad]", " [rad/s]", " [mNm]"];
-        let torque = |joints: usize, torque: f64| {
-            super::largest(read(joints, names, [1.0, torque], [false; 4]).recording.tau.as_slice())
-        };
-        assert!((torque(6, 40.0) - 60.0).abs() < 0.1);
-        assert!((torque(6, 80.0) - 0.12).abs() < 1e-3 && (torque(3, 40.0) - 0.06).abs() < 1e-3);
+        for (joints, torque, is_doubtful) in [(6, 60.0, true), (6, 70.0, false), (3, 60.0, false)] {
+            let read = read(joints, names, [1.0, torque], [false; 4]);
+            // One and a half of it at most.
+            assert!((super::largest(read.recording.tau.as_slice()) - 1.5e-3 * torque).abs() < 1e-3);
+            let wanted: &[_] = if is_doubtful { &[("mN m", [false, false, false, true])] } else { &[] };
+            assert_eq!(doubts(&read), wanted, "{joints} {torque}");
+        }
     }
 }

@@ -1,6 +1,6 @@
 //! Units that the names of columns give: positions, velocities, accelerations and torques in these are converted to those of SI.
 
-use super::plausible;
+use super::plausible::{self, DoubtfulUnit};
 use crate::recording::Recording;
 use crate::recording::columns::names::{ACCELERATION, POSITION, QUANTITIES, TORQUE, Unit, VELOCITY};
 use std::f64::consts::TAU;
@@ -9,13 +9,17 @@ use std::f64::consts::TAU;
 const COMPARED_S: f64 = 0.1;
 
 /// Converts what has a unit in its name, of position, velocity, acceleration and torque of every joint, and returns what was assumed;
-/// `known` quantities stay as they are. Velocities without a unit belong to positions that have one: they are in this unit per second,
+/// with the units of names that are doubtful; `known` quantities stay as they are. Velocities without a unit belong to positions that have one: they are in this unit per second,
 /// unless they agree better with positions in SI units.
-pub(super) fn in_si(log: &mut Recording, mut units: [Vec<Option<Unit>>; 4], known: [bool; 4]) -> Vec<String> {
+pub(super) fn in_si(
+    log: &mut Recording,
+    mut units: [Vec<Option<Unit>>; 4],
+    known: [bool; 4],
+) -> (Vec<String>, Vec<DoubtfulUnit>) {
     for (own, _) in units.iter_mut().zip(known).filter(|(_, known)| *known) {
         own.fill(None);
     }
-    let contradicted = plausible::without_contradicted(log, &mut units, known);
+    let mut doubts = plausible::doubtful(log, &units, known);
     let positions: Vec<f64> = units[POSITION].iter().map(|unit| unit.map_or(1.0, |unit| unit.factor)).collect();
     let mut factors = [POSITION, VELOCITY, ACCELERATION, TORQUE].map(|quantity| {
         let own = units[quantity].iter().map(|unit| unit.map_or(1.0, |unit| unit.factor));
@@ -26,14 +30,19 @@ pub(super) fn in_si(log: &mut Recording, mut units: [Vec<Option<Unit>>; 4], know
     for quantity in [VELOCITY, ACCELERATION] {
         if follow && unnamed(quantity) && !units[quantity].is_empty() {
             factors[quantity].clone_from(&positions);
+            let of_positions = doubts.iter_mut().filter(|doubt| doubt.quantities[POSITION]);
+            of_positions.for_each(|doubt| doubt.quantities[quantity] = true);
         }
     }
     let rates_follow = follow && unnamed(VELOCITY) && log.qd.is_some();
-    let notes = (0..4).flat_map(|quantity| {
+    let mut all_notes = Vec::new();
+    for quantity in 0..4 {
         let with_rates = quantity == POSITION && rates_follow;
-        notes(log, quantity, &units[quantity], with_rates)
-    });
-    let notes = contradicted.into_iter().chain(notes).collect();
+        let doubt = doubts.iter_mut().find(|doubt| doubt.quantities[quantity]);
+        let own = notes(log, quantity, &units[quantity], with_rates, doubt.is_some());
+        doubt.into_iter().for_each(|doubt| doubt.notes.extend(own.iter().cloned()));
+        all_notes.extend(own);
+    }
     let Recording { q, qd, qdd, tau, .. } = log;
     let tables = [Some(q), qd.as_mut(), qdd.as_mut(), Some(tau)];
     for (table, factors) in tables.into_iter().zip(factors) {
@@ -42,11 +51,11 @@ pub(super) fn in_si(log: &mut Recording, mut units: [Vec<Option<Unit>>; 4], know
             table.channel_mut(joint).iter_mut().for_each(|value| *value *= factor);
         }
     }
-    notes
+    (all_notes, doubts)
 }
 
 /// What was assumed about a quantity: one line for each unit other than those of SI.
-fn notes(log: &Recording, quantity: usize, units: &[Option<Unit>], with_rates: bool) -> Vec<String> {
+fn notes(log: &Recording, quantity: usize, units: &[Option<Unit>], with_rates: bool, is_doubtful: bool) -> Vec<String> {
     let mut seen: Vec<Unit> = Vec::new();
     for unit in units.iter().flatten().filter(|unit| unit.factor != 1.0) {
         if !seen.contains(unit) {
@@ -68,9 +77,14 @@ fn notes(log: &Recording, quantity: usize, units: &[Option<Unit>], with_rates: b
         };
         let Unit { symbol, si, .. } = unit;
         let per_second = if with_rates { format!(" and {symbol}/s") } else { String::new() };
-        let doubt = match symbol == "deg" && quantity == POSITION && all && may_be_radians(log) {
-            true => "; none leaves one turn in rad, though: if they are in rad, say so there",
-            false => "",
+        let table = if quantity == TORQUE { &log.tau } else { &log.q };
+        let degrees = symbol == "deg" && quantity == POSITION && all && may_be_radians(log);
+        let doubt = match degrees || (is_doubtful && quantity == TORQUE) {
+            true => format!(
+                "; no {name} exceeds {} {symbol}, though: if they are in {si}, say so there",
+                short(plausible::largest(table.as_slice()))
+            ),
+            false => String::new(),
         };
         format!(
             "{plural}{rates}{of} are in {symbol}{per_second}, the unit of their names: they are converted to {si} (set another with \
@@ -78,6 +92,12 @@ fn notes(log: &Recording, quantity: usize, units: &[Option<Unit>], with_rates: b
         )
     };
     seen.into_iter().map(note).collect()
+}
+
+/// A number with two digits.
+fn short(value: f64) -> String {
+    let digits = (1.0 - value.abs().log10().floor()).clamp(0.0, 9.0);
+    format!("{value:.*}", digits as usize)
 }
 
 /// Whether the positions as the file has them could be in rad: no joint of several leaves one turn.

@@ -32,13 +32,21 @@ pub(crate) fn are_turns(log: &Recording, robot: &Robot) -> Result<bool> {
     let by =
         |factor: f64| -> Vec<f64> { (0..robot.dof()).map(|joint| if turns(joint) { factor } else { 1.0 }).collect() };
     let converted = Recording { q: scaled(&log.q, &by(TAU)), ..log.clone() };
-    let Some(mut rows) = Rows::new(&[&View::new(&converted, Some(robot))?], Some(robot)) else { return Ok(false) };
+    explains_better(&converted, robot, &by(1.0 / TAU))
+}
+
+/// Whether free bodies explain the torques clearly better with the positions of a log than with those that are so many times larger.
+///
+/// # Errors
+/// Those of the filters.
+pub(super) fn explains_better(log: &Recording, robot: &Robot, factors: &[f64]) -> Result<bool> {
+    let Some(mut rows) = Rows::new(&[&View::new(log, Some(robot))?], Some(robot)) else { return Ok(false) };
     let physics = Physics::free(robot);
     let tried = |rows: &Rows| Tried::new(&physics, rows, Description::as_given(robot.dof(), robot.gravity));
     let Some(with) = tried(&rows) else { return Ok(false) };
-    rows.motion = scaled_motion(&rows.motion, &by(1.0 / TAU));
-    let Some(as_given) = tried(&rows) else { return Ok(false) };
+    rows.motion = scaled_motion(&rows.motion, factors);
+    let Some(without) = tried(&rows) else { return Ok(false) };
     let explained = with.explains_half();
-    let gain = compare(&as_given.evaluation, &with.evaluation, &rows.log);
+    let gain = compare(&without.evaluation, &with.evaluation, &rows.log);
     Ok(explained && gain.is_some_and(|gain| gain.is_better(1, EXPLAINED) && gain.is_large(1)))
 }

@@ -251,6 +251,7 @@ mod compensated;
 mod directions;
 mod loads;
 mod models;
+mod named_units;
 mod right_logs;
 mod scales;
 mod signs;

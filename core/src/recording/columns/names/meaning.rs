@@ -1,7 +1,7 @@
 //! Which quantity of which joint a column holds, from its name.
 
 use super::quantity::{QUANTITIES, Quantity, TORQUE, TRUE};
-use super::unit::{Unit, is_unit};
+use super::unit::{Unit, bare, is_unit};
 use super::words::{SEPARATORS, without_tuple, without_unit, words};
 
 /// Words for the current of a motor, which stands in for its torque.
@@ -23,9 +23,9 @@ const CURRENT: [&str; 14] = [
 ];
 
 /// Units that stand behind a name without brackets.
-const UNIT_WORDS: [&str; 27] = [
-    "deg", "degs", "degree", "degrees", "dps", "degps", "mdeg", "rad", "rads", "radps", "rps", "rpm", "mrad", "rev",
-    "revs", "turn", "turns", "mm", "um", "nm", "mnm", "nmm", "knm", "kgfcm", "ma", "pct", "percent",
+const UNIT_WORDS: [&str; 28] = [
+    "deg", "degs", "degree", "degrees", "grad", "dps", "degps", "mdeg", "rad", "rads", "radps", "rps", "rpm", "mrad",
+    "rev", "revs", "turn", "turns", "mm", "um", "nm", "mnm", "nmm", "knm", "kgfcm", "ma", "pct", "percent",
 ];
 
 /// Words around a quantity that mean it was measured; nothing depends on them.
@@ -48,6 +48,25 @@ const MEASURED: [&str; 18] = [
     "true",
     "est",
     "estimated",
+];
+
+/// Words that mean percent of a rated value.
+const PERCENT: [&str; 2] = ["pct", "percent"];
+
+/// The present value, in names as `joint1 current torque`: between a joint and a quantity, or before one of these.
+const PRESENT: [&str; 4] = ["actual", "measured", "current", "present"];
+const OF_PRESENT: [&str; 11] = [
+    "position",
+    "positions",
+    "pos",
+    "angle",
+    "angles",
+    "velocity",
+    "velocities",
+    "speed",
+    "torque",
+    "torques",
+    "effort",
 ];
 
 /// Words that mean a place, before a quantity; behind it they begin a joint's name.
@@ -155,14 +174,14 @@ pub(crate) fn meanings(column: &str) -> Vec<Meaning> {
     let mut out = Vec::new();
     // The unit may stand before the number of the joint.
     if let Some((stem, number)) = index(column)
-        && let Some((stem, unit)) = stem.rsplit_once(['_', ' ', '.']).filter(|(_, unit)| is_unit_word(unit))
+        && let Some((stem, unit)) = without_unit_word(stem)
     {
         out = in_unit(readings(&format!("{stem}_{number}")), Some(unit));
         out.retain(|meaning| matches!(meaning.joint, Joint::Number(_)));
     }
     out.extend(in_unit(readings(column), unit));
     // A joint may be called like a unit: that comes first.
-    if let Some((stem, unit)) = column.rsplit_once(['_', ' ', '.']).filter(|(_, unit)| is_unit_word(unit)) {
+    if let Some((stem, unit)) = without_unit_word(column) {
         out.extend(in_unit(readings(stem), Some(unit)));
     }
     out
@@ -174,9 +193,9 @@ pub(crate) fn prefix_of(name: &str) -> Option<&'static str> {
     Some(if current { "current" } else { QUANTITIES[quantity].prefixes[0] })
 }
 
-/// What stands in brackets behind a name and is no unit of the quantity that is known; `joints` may stand there too.
+/// What stands in brackets behind a name and is no unit of the quantity that is known, or a word for percent; `joints` may stand there too.
 pub(crate) fn unknown_unit<'a>(column: &'a str, quantity: usize, joints: &[String]) -> Option<&'a str> {
-    let (_, unit) = without_unit(column);
+    let unit = without_unit(column).1.or_else(|| percent(column));
     let is_word = |word: &String| MEASURED.contains(&word.as_str()) || OF_CONTROLLER.contains(&word.as_str());
     unit.filter(|unit| {
         let is_joint = joints.iter().any(|joint| joint == unit);
@@ -185,7 +204,18 @@ pub(crate) fn unknown_unit<'a>(column: &'a str, quantity: usize, joints: &[Strin
 }
 
 fn is_unit_word(word: &str) -> bool {
-    UNIT_WORDS.contains(&word.to_lowercase().as_str()) || (word.contains('/') && is_unit(word))
+    UNIT_WORDS.contains(&bare(word).as_str()) || (word.contains('/') && is_unit(word))
+}
+
+/// A name without the unit behind it, of which a point may be a part, and the unit.
+fn without_unit_word(name: &str) -> Option<(&str, &str)> {
+    let cut = |at: &[char]| name.rsplit_once(at).filter(|(stem, unit)| !stem.is_empty() && is_unit_word(unit));
+    cut(&['_', ' ', '.']).or_else(|| cut(&['_', ' ']))
+}
+
+/// The word in a name that means percent.
+fn percent(name: &str) -> Option<&str> {
+    name.split(SEPARATORS).find(|part| PERCENT.contains(&part.to_lowercase().as_str()))
 }
 
 /// Readings of a name with the unit that stands behind it.
@@ -371,7 +401,9 @@ fn named(name: &str) -> Option<Meaning> {
     }
     let (before, behind) = part.rsplit_once(['_', ' '])?;
     let found = quantity(&words(behind))?;
-    let joint = before.strip_suffix("_actual").or(before.strip_suffix("_measured")).unwrap_or(before);
+    let is_present = |word: &str| PRESENT.iter().any(|own| word.eq_ignore_ascii_case(own));
+    let joint = before.rsplit_once(['_', ' ']).filter(|(joint, word)| !joint.is_empty() && is_present(word));
+    let joint = joint.filter(|_| !found.1).map_or(before, |(joint, _)| joint);
     meaning(found, joint, format!("#_{behind}"), 2)
 }
 
@@ -408,6 +440,13 @@ fn quantity(words: &[String]) -> Option<(usize, bool)> {
     let parts = (0..=front).flat_map(|from| (0..=back).map(move |behind| (from, behind)));
     let mut parts: Vec<(usize, usize)> = parts.filter(|(from, behind)| from + behind < words.len()).collect();
     parts.sort_by_key(|(from, behind)| from + behind);
+    // `current_torque` is the present one.
+    if let [current, word] = words
+        && current == "current"
+        && OF_PRESENT.contains(&word.as_str())
+    {
+        return lookup(&words[1..]);
+    }
     parts.into_iter().find_map(|(from, behind)| lookup(&words[from..words.len() - behind]))
 }
 

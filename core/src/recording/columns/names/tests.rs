@@ -204,3 +204,34 @@ fn columns_of_time() {
     assert_eq!(time("", 0).unwrap().rank, INDEX);
     assert_eq!((time("", 3), time("dead_time_ms", 0), time("seq", 0)), (None, None, None));
 }
+
+#[test]
+fn the_present_value_and_units_of_words() {
+    let joint = |column: &str| first(column).map(|(quantity, joint)| (quantity, joint, meanings(column)[0].current));
+    for (column, quantity) in [
+        ("joint1 current torque", TORQUE),
+        ("joint1_Drehmoment", TORQUE),
+        ("joint1 present velocity", VELOCITY),
+        ("joint1 actual position", POSITION),
+    ] {
+        assert_eq!(joint(column), Some((quantity, Joint::Name("joint1".into()), false)), "{column}");
+    }
+    assert_eq!(joint("current_torque_2"), Some((TORQUE, Joint::Number(2), false)));
+    for column in ["joint1_current", "joint1_motor_current", "joint1_actual_current"] {
+        assert!(meanings(column)[0].current, "{column}");
+    }
+    // The current of an axis of the motor is no position.
+    assert!(first("current_q_1").is_none_or(|(quantity, _)| quantity != POSITION));
+    let unit = |column: &str| {
+        let found = meanings(column).into_iter().find(|meaning| meaning.unit.is_some())?;
+        Some((found.quantity, found.joint, found.unit?.symbol))
+    };
+    let achse = || Joint::Name("Achse1".into());
+    assert_eq!(unit("Achse1_Istposition_Grad"), Some((POSITION, achse(), "deg")));
+    assert_eq!(unit("Achse1_Winkel_Grad"), Some((POSITION, achse(), "deg")));
+    assert_eq!(unit("Achse1_Geschwindigkeit_Grad/s"), Some((VELOCITY, achse(), "deg/s")));
+    assert_eq!(unit("Achse1_Drehmoment_Nm"), Some((TORQUE, achse(), "N m")));
+    for column in ["joint1_torque_N-m", "joint1_torque_N.m", "joint1_torque_N*m", "joint1_torque_Nm"] {
+        assert_eq!(unit(column), Some((TORQUE, Joint::Name("joint1".into()), "N m")), "{column}");
+    }
+}

@@ -29,7 +29,7 @@ type Row = (usize, &'static str, &'static str, f64, &'static [&'static str]);
 
 const UNITS: [Row; 36] = [
     (POSITION, "rad", "rad", 1.0, &["rad", "rads", "radian", "radians"]),
-    (POSITION, "deg", "rad", DEGREE, &["deg", "degs", "degree", "degrees", "°"]),
+    (POSITION, "deg", "rad", DEGREE, &["deg", "degs", "degree", "degrees", "grad", "°"]),
     (POSITION, "mrad", "rad", 1e-3, &["mrad"]),
     (POSITION, "mdeg", "rad", 1e-3 * DEGREE, &["mdeg", "m°"]),
     (POSITION, "rev", "rad", TAU, &["rev", "revs", "turn", "turns", "revolution", "revolutions"]),
@@ -38,7 +38,7 @@ const UNITS: [Row; 36] = [
     (POSITION, "mm", "m", 1e-3, &["mm"]),
     (POSITION, "um", "m", 1e-6, &["um"]),
     (VELOCITY, "rad/s", "rad/s", 1.0, &["rad/s", "radps", "rads1", "rad/sec"]),
-    (VELOCITY, "deg/s", "rad/s", DEGREE, &["deg/s", "°/s", "dps", "degps", "degs1", "deg/sec", "degrees/s"]),
+    (VELOCITY, "deg/s", "rad/s", DEGREE, &["deg/s", "°/s", "dps", "degps", "degs1", "deg/sec", "degrees/s", "grad/s"]),
     (VELOCITY, "mrad/s", "rad/s", 1e-3, &["mrad/s"]),
     (VELOCITY, "mdeg/s", "rad/s", 1e-3 * DEGREE, &["mdeg/s", "m°/s"]),
     (VELOCITY, "rpm", "rad/s", TAU / 60.0, &["rpm", "r/min", "rev/min", "u/min", "1/min", "min1"]),
@@ -101,7 +101,7 @@ pub(crate) fn is_unit(text: &str) -> bool {
 }
 
 /// A unit in small letters without what stands between its parts: `N·m`, `kgf.cm`, `rad s^-1`.
-fn bare(text: &str) -> String {
+pub(super) fn bare(text: &str) -> String {
     let between = |letter: &char| !matches!(letter, ' ' | '*' | '·' | '.' | '^' | '_' | '-');
     let plain = |letter: char| match letter {
         'µ' | 'μ' => 'u',
@@ -118,14 +118,14 @@ mod tests {
     #[test]
     fn units_in_many_spellings() {
         for (quantity, texts, factor) in [
-            (POSITION, &["deg", "Degrees", "°"][..], DEGREE),
+            (POSITION, &["deg", "Degrees", "Grad", "°"][..], DEGREE),
             (POSITION, &["turns", "rev"], TAU),
             (POSITION, &["mdeg"], 1e-3 * DEGREE),
             (VELOCITY, &["deg/s", "°/s", "dps", "deg s^-1", "deg"], DEGREE),
             (VELOCITY, &["rpm", "1/min", "U/min", "min-1"], TAU / 60.0),
             (VELOCITY, &["rad", "rad/s", "rad s-1", "m/s"], 1.0),
             (ACCELERATION, &["deg/s^2", "deg/s²"], DEGREE),
-            (TORQUE, &["Nm", "N m", "N*m", "N·m", "N.m", "A"], 1.0),
+            (TORQUE, &["Nm", "N m", "N*m", "N·m", "N.m", "N-m", "A"], 1.0),
             (TORQUE, &["mNm", "Nmm", "N mm", "mA"], 1e-3),
             (TORQUE, &["kgf.cm", "kgf cm", "kg-cm", "kgcm"], 0.098_066_5),
             (TORQUE, &["lbf in", "lb-in", "in-lb"], 0.112_984_829),

@@ -208,6 +208,7 @@ impl Layout {
         notes.extend(spare_currents::note(header, &names, &tau, &own, base));
         notes.extend(unknown_units::notes(header, &names, of_quantities, &units));
         let first_torque = tau.iter().find(|column| **column != ABSENT).map_or("", |column| header[*column].as_str());
+        understood.extend(unknown_units::percent(header, &names, &tau).filter(|_| !demand.constants));
         if currents {
             let makes = match demand.constants {
                 true => "the torque constants of the dataset make torques of them",

@@ -1,6 +1,7 @@
 //! Reading of logs as controllers write them.
 
 use super::join;
+use super::plausible::DoubtfulUnit;
 use super::source::{self, Source};
 use super::units;
 use crate::error::{Error, Result};
@@ -55,6 +56,8 @@ pub struct Sieved {
     pub begins: Vec<usize>,
     /// What is wrong with the whole of the rows, and what to do: the log cannot be used.
     pub spoilt: Option<String>,
+    /// Units of names that the size of the values makes doubtful, and which were used.
+    pub doubts: Vec<DoubtfulUnit>,
 }
 
 /// The joints of which a log holds positions, from its header alone where the format has one: those of the robot, `known`, that it names in
@@ -152,7 +155,8 @@ fn read(paths: &[PathBuf], joints: Option<&[String]>, map: &ColumnMap, positions
     let (currents, of_motors, of_controller) = (layout.currents, layout.of_motors, layout.of_controller.take());
     let of_names = layout.units();
     let mut recording = layout.recording(rows.columns);
-    corrections.extend(units::in_si(&mut recording, of_names, map.known_units));
+    let (converted, doubts) = units::in_si(&mut recording, of_names, map.known_units);
+    corrections.extend(converted);
     sources[0].describe(&mut recording);
     corrections.extend(missing::constant_torques(&mut recording));
     let (unwrapped, note) = unwrap(&mut recording);
@@ -173,6 +177,7 @@ fn read(paths: &[PathBuf], joints: Option<&[String]>, map: &ColumnMap, positions
         may_count: clock.may_count,
         begins,
         spoilt,
+        doubts,
     };
     match sieved.rejected.first() {
         Some(first) if sieved.lines.is_empty() => {

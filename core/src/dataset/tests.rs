@@ -179,7 +179,7 @@ fn mistakes_are_named_by_line_and_key() {
         (format!("{train}from_s = 3\nto_s = 2\n"), ["d.toml:2: train", "from 3 s to 2 s"]),
         (format!("{train}to_s = nan\n"), ["d.toml:2: train", "to NaN s"]),
         (format!("{train}[unit]\n"), ["d.toml:4: unit", "unknown field"]),
-        (format!("{train}[units]\nposition = \"grad\"\n"), ["d.toml:5: ", "unknown unit `grad`"]),
+        (format!("{train}[units]\nposition = \"gon\"\n"), ["d.toml:5: ", "unknown unit `gon`"]),
         (format!("{train}[units]\ntorque = \"A\"\n"), ["motors.torque_constant_nm_a", "current"]),
         (format!("{train}[motors]\nposition_at = \"motor\"\n"), ["motors.gear_ratio", "at the motors"]),
         (

@@ -73,3 +73,35 @@ fn median_step(rows: &[usize]) -> Option<usize> {
     steps.sort_unstable();
     steps.get(steps.len() / 2).copied()
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::recording::lenient::{ColumnMap, Sieved, load};
+
+    /// A log of 40 s at 200 Hz whose torque is held over so many rows.
+    fn held(rows: usize) -> Sieved {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("log.csv");
+        let mut text = "t,q,tau\n".to_owned();
+        for row in 0..8000 {
+            let [t, then] = [row, row / rows * rows].map(|row| 0.005 * row as f64);
+            text += &format!("{t:.3},{:.9},{:.9}\n", (1.3 * t).sin(), 5.0 * (1.1 * then).cos());
+        }
+        std::fs::write(&path, text).unwrap();
+        load(&path, None, &ColumnMap::default()).unwrap()
+    }
+
+    #[test]
+    fn held_torques_are_taken_at_their_own_rate_down_to_eight_a_second() {
+        for (rows, rate) in [(8, 25.0), (24, 8.333)] {
+            let sieved = held(rows);
+            assert!((sieved.recording.rate_hz() / rate - 1.0).abs() < 1e-3, "{}", sieved.recording.rate_hz());
+            assert!(
+                sieved.corrections.iter().any(|note| note.contains("repeated between")),
+                "{:?}",
+                sieved.corrections
+            );
+        }
+        assert_eq!(held(26).recording.samples(), 8000);
+    }
+}

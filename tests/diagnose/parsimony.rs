@@ -1,9 +1,10 @@
 //! Of laws that explain the same, the simplest is named, and none is that is best at a bound of itself.
 
-use super::{SETUP, diagnosed, logs, with};
-use tauscope::diagnosis::Diagnosis;
+use super::{SETUP, answer, diagnosed, logs, with};
+use tauscope::diagnosis::{Diagnosis, Gate};
 use tauscope::effects::{Placed, find};
-use tauscope::recording::Recording;
+use tauscope::recording::{self, Recording};
+use tauscope::robot::{InertiaCheck, load};
 
 const WRIST: usize = 5;
 
@@ -77,4 +78,21 @@ fn a_law_with_a_parameter_that_adds_nothing_is_an_alternative_to_the_simpler_one
     );
     let rising = names(&of(40.0, 43));
     assert!(matches!(rising[..], [("friction_asymmetry", 1, _)]), "{rising:?}");
+}
+
+/// The joints of `reference/payload` have a ripple of seven periods a turn. On the second the best strut is one that is slack in the balanced
+/// pose, against bodies of two hundred kilograms: it is taken out once its preload is held at zero.
+#[test]
+fn a_strut_without_preload_takes_no_ripple() {
+    let file = |name: &str| format!("{}/tests/reference/payload/{name}", env!("CARGO_MANIFEST_DIR"));
+    let robot = load(file("arm.urdf"), InertiaCheck::Ignored).unwrap();
+    let log = recording::load(file("before.csv"), None).unwrap();
+    let diagnosis = Diagnosis::of(&robot).train([&log]).candidates(["gravity_balancer", "torque_ripple"]);
+    let diagnosis = answer(diagnosis).into_conclusion().unwrap().diagnosis;
+    let found = names(&diagnosis);
+    assert!(found.iter().all(|(effect, ..)| *effect == "torque_ripple") && found.len() >= 4, "{found:?}");
+    let refused =
+        diagnosis.minor.iter().find(|minor| minor.found.member.candidate.family().effect == "gravity_balancer");
+    assert_eq!(refused.unwrap().failed.gate, Gate::Believable);
+    assert!(diagnosis.unexplained.iter().all(|left| left.joint == 1), "{:?}", diagnosis.unexplained);
 }

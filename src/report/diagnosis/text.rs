@@ -266,12 +266,7 @@ fn smaller(robot: &Robot, diagnosis: &Diagnosis) -> Option<String> {
         .collect();
     let joint = (0..all.len()).max_by(|&a, &b| all[a].total_cmp(&all[b])).filter(|_| count > 0)?;
     let is_small = diagnosis.minor.iter().all(|minor| minor.failed.gate == Gate::Size);
-    let effects = match (is_small, count) {
-        (true, 1) => "smaller effect",
-        (true, _) => "smaller effects",
-        (false, 1) => "effect",
-        (false, _) => "effects",
-    };
+    let [smaller, plural] = [if is_small { "smaller " } else { "" }, if count == 1 { "" } else { "s" }];
     let names: Vec<String> = diagnosis
         .minor
         .iter()
@@ -284,7 +279,7 @@ fn smaller(robot: &Robot, diagnosis: &Diagnosis) -> Option<String> {
     let size = effort(&robot.joints[joint], all[joint]);
     let together = if count == 1 { "" } else { "together " };
     Some(format!(
-        "- Not reported: {count} {effects}, {together}{size} on {}: {} (diagnosis.json lists all).",
+        "- Not reported: {count} {smaller}effect{plural}, {together}{size} on {}: {} (diagnosis.json lists all).",
         robot.joints[joint].name,
         names.join("; ")
     ))

@@ -481,9 +481,9 @@ fn signals_that_lack_something() {
 fn what_is_not_looked_at_is_said() {
     let case = Case::new(&[]);
     let slow = |t: f64| format!("{:.7},{:.5}", t.sin(), 5.0 * t.sin() + (2.3 * t).cos());
-    case.write("log.csv", &sines("t,q1 [grad],tau1", slow));
+    case.write("log.csv", &sines("t,q1 [gon],tau1", slow));
     let said = text(&case.tauscope(&["inspect", "log.csv"]).stdout);
-    assert!(said.contains("grad, in the name of q1 [grad], is no known unit"), "{said}");
+    assert!(said.contains("gon, in the name of q1 [gon], is no known unit"), "{said}");
     assert!(said.contains("too short to decide") && !said.contains("Nothing is wrong"), "{said}");
     case.write("log.csv", &sines("t,q1,tau1", |t| one_joint(3.0 * t)));
     let said = text(&case.tauscope(&["inspect", "log.csv"]).stdout);

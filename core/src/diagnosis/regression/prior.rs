@@ -1,10 +1,14 @@
 //! What the description of an arm says where the rows do not: a prior on some factors of a least-squares solution.
 //!
-//! Combinations that the rows determine less well than the description are taken from both, all others stay as fitted. Most logs determine all that
+//! Combinations that the rows do not determine are taken from the description, all others stay as fitted. Most logs determine all that
 //! their own torque needs; held-out logs may need more, as where a joint stands elsewhere.
 
 use super::solution::{Independent, Solved};
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
+
+/// Information of the rows along a combination over that of the description from which the rows alone count: below, the estimate is ten
+/// times as uncertain as described, and says nothing. Above, the description may be as wrong as the estimate.
+const LEAST: f64 = 0.01;
 
 /// Fewest factors that the rows determine by which the size of a description is judged.
 const FEWEST: usize = 3;
@@ -21,8 +25,8 @@ pub(crate) struct Described {
 }
 
 impl Solved {
-    /// The solution with what is `described` where the rows say less: the posterior mean along those combinations of described factors
-    /// whose standard deviation by the rows is larger than that of the description. The combinations are those along which both are independent
+    /// The solution with what is `described` where the rows say nothing: the posterior mean along those combinations of described factors
+    /// whose standard deviation by the rows is many times that of the description. The combinations are those along which both are independent
     /// (the generalised eigenvectors of the two covariances), with every other factor fitted anew. The description counts as a whole by
     /// a factor, and its deviations by another, as the factors that the rows determine show: bodies may be described twice too heavy.
     pub(crate) fn with_described(mut self, described: &[Described]) -> Solved {
@@ -44,14 +48,14 @@ impl Solved {
             return self;
         }
         let SymmetricEigen { eigenvectors, eigenvalues } = SymmetricEigen::new(own);
-        // Of unit variance as described: below one the rows say less.
+        // Of unit variance as described.
         let known = eigenvalues.map(|value| value.max(0.0));
-        if known.min() >= 1.0 {
+        if known.min() >= LEAST {
             return self;
         }
         let apart = |one: &Described| (scale * one.value - self.values[one.place]) / (spread * one.std);
         let apart = DVector::from_iterator(described.len(), described.iter().map(apart));
-        let step = |known: f64, apart: f64| if known < 1.0 { apart / (1.0 + known) } else { 0.0 };
+        let step = |known: f64, apart: f64| if known < LEAST { apart / (1.0 + known) } else { 0.0 };
         let along = known.zip_map(&eigenvectors.tr_mul(&apart), step);
         let to_all = |own: &DMatrix<f64>| {
             let (described, fitted) = (&unit * own, &answer * own);
@@ -68,7 +72,7 @@ impl Solved {
         for (row, &place) in others.iter().enumerate() {
             directions.view_mut((place, places.len()), (1, others.len())).copy_from(&rest.directions.row(row));
         }
-        let of_combination = |known: &f64| if *known < 1.0 { 1.0 / (1.0 + known) } else { 1.0 / known };
+        let of_combination = |known: &f64| if *known < LEAST { 1.0 / (1.0 + known) } else { 1.0 / known };
         let variances = known.iter().map(of_combination).chain(rest.variances.iter().copied());
         self.expected = Independent { directions, variances: DVector::from_iterator(count, variances) };
         self.values.iter_mut().enumerate().for_each(|(place, value)| *value += moved[place] / self.norms[place]);

@@ -212,8 +212,10 @@ fn of_law(placed: &Placed, along: &Along, frames: &mut [Option<Vec<Pose>>]) -> C
         if memory.is_empty() && !(from..=to).contains(&instant.t) {
             continue;
         }
-        if effect.uses_frames() {
-            instant.frames = Some(frames[sample].get_or_insert_with(|| along.robot.frames(instant.q)));
+        if effect.uses_frames()
+            && let Some(frames) = frames.get_mut(sample)
+        {
+            instant.frames = Some(frames.get_or_insert_with(|| along.robot.frames(instant.q)));
         }
         out[channels.clone()].fill(0.0);
         effect.torque(parameters, *joint, &instant, &memory, &mut out);

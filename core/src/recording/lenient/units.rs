@@ -36,10 +36,10 @@ pub(super) fn in_si(
     }
     let rates_follow = follow && unnamed(VELOCITY) && log.qd.is_some();
     let mut all_notes = Vec::new();
-    for quantity in 0..4 {
+    for (quantity, units) in units.iter().enumerate() {
         let with_rates = quantity == POSITION && rates_follow;
         let doubt = doubts.iter_mut().find(|doubt| doubt.quantities[quantity]);
-        let own = notes(log, quantity, &units[quantity], with_rates, doubt.is_some());
+        let own = notes(log, quantity, units, with_rates, doubt.is_some());
         doubt.into_iter().for_each(|doubt| doubt.notes.extend(own.iter().cloned()));
         all_notes.extend(own);
     }

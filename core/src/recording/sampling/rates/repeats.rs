@@ -82,7 +82,7 @@ mod tests {
     fn held(rows: usize) -> Sieved {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("log.csv");
-        let mut text = "t,q,tau\n".to_owned();
+        let mut text = "t,q1,tau1\n".to_owned();
         for row in 0..8000 {
             let [t, then] = [row, row / rows * rows].map(|row| 0.005 * row as f64);
             text += &format!("{t:.3},{:.9},{:.9}\n", (1.3 * t).sin(), 5.0 * (1.1 * then).cos());

@@ -114,6 +114,11 @@ impl Channels {
         }
     }
 
+    /// Takes a table of the same size off this one.
+    pub(crate) fn subtract(&mut self, other: &Channels) {
+        self.data.iter_mut().zip(&other.data).for_each(|(value, other)| *value -= other);
+    }
+
     /// A table of what `convert` makes of every signal.
     pub fn map(&self, mut convert: impl FnMut(usize, &[f64]) -> Vec<f64>) -> Self {
         let mut made = Channels::default();

@@ -249,7 +249,7 @@ fn altered_bodies(placed: &Placed, along: &Along) -> Contribution {
         inverse_dynamics(along.chain, &more, along.motion)
     } else {
         let mut torque = inverse_dynamics(&Chain::new(&altered), &altered.inertial_parameters(), along.motion);
-        torque.as_mut_slice().iter_mut().zip(along.load().as_slice()).for_each(|(value, known)| *value -= known);
+        torque.subtract(along.load());
         torque
     };
     for joint in 0..along.robot.dof() {

@@ -69,28 +69,33 @@ fn those_that_matter(
     let mut minor = Vec::new();
     loop {
         // What is out changes the estimates of what stays, which must pass with these.
-        loop {
-            let more = eliminate(session, &mut selection.found, &selection.whitener, any_size)?;
-            if more.is_empty() {
-                break;
-            }
-            minor.extend(more);
-            selection.settle(session)?;
-        }
+        while take_out(session, &mut selection, &mut minor, any_size)? {}
         if fit_to_the_end(session, &mut selection.found, &mut selection.whitener)? {
             selection.take_held_out(session)?;
         }
-        // What is held at the end may leave a law that no machine has.
-        if selection.found.iter().all(|found| session.believable(&found.member.placed).passed) {
+        // Holding a parameter at the end may leave a law that no machine has.
+        let is_possible = selection.found.iter().all(|found| session.believable(&found.member.placed).passed);
+        if is_possible || !take_out(session, &mut selection, &mut minor, any_size)? {
             return Ok((selection, minor));
         }
-        let more = eliminate(session, &mut selection.found, &selection.whitener, any_size)?;
-        if more.is_empty() {
-            return Ok((selection, minor));
-        }
-        minor.extend(more);
-        selection.settle(session)?;
     }
+}
+
+/// Moves the effects that do not matter by the present estimates to the `minor` ones and fits the others again; returns whether there were
+/// any.
+fn take_out(
+    session: &mut Session,
+    selection: &mut Selection,
+    minor: &mut Vec<Minor>,
+    any_size: &[usize],
+) -> Result<bool> {
+    let more = eliminate(session, &mut selection.found, &selection.whitener, any_size)?;
+    if more.is_empty() {
+        return Ok(false);
+    }
+    minor.extend(more);
+    selection.settle(session)?;
+    Ok(true)
 }
 
 /// The last fit of the effects in the model: until their sizes no longer change, with parameters that the logs do not determine held, and

@@ -117,7 +117,7 @@ impl Arm {
         let each = rows.logs.par_iter().zip(along).enumerate().map(|(index, (log, along))| {
             let motion = other(index, log)?;
             let mut torque = self.torque(&motion, &motion);
-            torque.as_mut_slice().iter_mut().zip(along.as_slice()).for_each(|(value, along)| *value -= along);
+            torque.subtract(along);
             Ok(torque)
         });
         Ok(all_over_rows(rows, &each.collect::<Result<Vec<Channels>>>()?))
@@ -253,7 +253,7 @@ impl Arm {
     /// the motors' side.
     fn behind_gear(&self, joint: usize, gear: Gear, log: &Log, carried: &Channels) -> Result<Channels> {
         let mut torque = self.load(&behind_gears(&self.geared(log), &[(joint, gear)])?);
-        torque.as_mut_slice().iter_mut().zip(carried.as_slice()).for_each(|(value, before)| *value -= before);
+        torque.subtract(carried);
         Ok(torque)
     }
 
@@ -270,7 +270,7 @@ impl Arm {
         for joint in joints {
             placed.effect.distort_torque(&placed.parameters, torque.channel_mut(joint), log.period);
         }
-        torque.as_mut_slice().iter_mut().zip(plain.as_slice()).for_each(|(value, before)| *value -= before);
+        torque.subtract(plain);
         Ok(torque)
     }
 }

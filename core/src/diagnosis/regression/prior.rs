@@ -30,6 +30,9 @@ impl Solved {
     /// (the generalised eigenvectors of the two covariances), with every other factor fitted anew. The description counts as a whole by
     /// a factor, and its deviations by another, as the factors that the rows determine show: bodies may be described twice too heavy.
     pub(crate) fn with_described(mut self, described: &[Described]) -> Solved {
+        if described.is_empty() {
+            return self;
+        }
         let [scale, spread] = self.sizes(described);
         let places: Vec<usize> = described.iter().map(|one| one.place).collect();
         let others: Vec<usize> = (0..self.values.len()).filter(|place| !places.contains(place)).collect();
@@ -44,9 +47,6 @@ impl Solved {
         let rest = Independent::of(information.select_rows(&others).select_columns(&others));
         let answer = -rest.times(&mixed);
         let own = &unit * information.select_rows(&places).select_columns(&places) * &unit + mixed.tr_mul(&answer);
-        if own.is_empty() {
-            return self;
-        }
         let SymmetricEigen { eigenvectors, eigenvalues } = SymmetricEigen::new(own);
         // Of unit variance as described.
         let known = eigenvalues.map(|value| value.max(0.0));

@@ -4,12 +4,10 @@ use super::found::{Found, members};
 use crate::diagnosis::Options;
 use crate::diagnosis::evidence::Scan;
 use crate::diagnosis::model::{
-    ArmModel, Candidate, Member, PreparedLogs, Session, acts_upon_arm, all_candidates, carried_on, depends_on_rounding,
-    renewed,
+    ArmModel, Candidate, Member, PreparedLogs, Session, acts_upon_arm, all_candidates, carried_on, renewed,
 };
 use crate::diagnosis::noise::Whitener;
 use crate::diagnosis::regression::Projection;
-use crate::effects::Effect;
 use crate::error::Result;
 
 /// Most fits of a model whose columns depend on the arm as found. Of a gain of 0.3 the first finds 0.23, the second 0.299.
@@ -54,7 +52,7 @@ impl Round {
         let PreparedLogs { train, test, .. } = &session.logs;
         let later = &test.rows;
         let carried_on = carried_on(candidates, &session.model.arm, train.rows.len() - later.len(), later)?;
-        Self::renewed(session, (whitener, fit), carried_on, options, |effect, _| acts_upon_arm(effect))
+        Self::renewed(session, (whitener, fit), carried_on, options, &[])
     }
 
     /// The same again after more was found.
@@ -78,21 +76,20 @@ impl Round {
     ) -> Result<Self> {
         let (whitener, fit) = settled(session, found)?;
         drop(self.scan);
-        let depends = |effect: &dyn Effect, joint: usize| depends_on_rounding(effect, joint, rounded);
-        Self::renewed(session, (whitener, fit), self.all, options, depends)
+        Self::renewed(session, (whitener, fit), self.all, options, rounded)
     }
 
-    /// With what `depends` on the arm as estimated worked out anew.
+    /// With the candidates for the arm as estimated, whose friction is `rounded` otherwise on some joints.
     fn renewed(
         session: &Session,
         (whitener, fit): (Whitener, Projection),
         candidates: Vec<Candidate>,
         options: &Options,
-        depends: impl Fn(&dyn Effect, usize) -> bool,
+        rounded: &[usize],
     ) -> Result<Self> {
         let ArmModel { arm, trust, .. } = &session.model;
         let asked = (*trust, &options.candidates[..]);
-        let all = renewed(candidates, arm, &session.logs.train.rows, asked, depends)?;
+        let all = renewed(candidates, arm, &session.logs.train.rows, asked, rounded)?;
         Ok(Self::of(session, whitener, fit, all))
     }
 

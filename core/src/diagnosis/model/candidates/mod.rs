@@ -11,7 +11,7 @@ pub(crate) use extent::extent;
 use extent::highest_harmonic;
 
 use super::arm_columns::Moved;
-use super::roles::{acts_upon_arm, is_event, linear};
+use super::roles::{acts_upon_arm, depends_on_rounding, is_event, linear};
 use crate::diagnosis::logs::Rows;
 use crate::diagnosis::regression::{Column, joints_of};
 use crate::effects::{Effect, Extent, Hidden, LIBRARY, Nature, Placed, Role};
@@ -219,7 +219,8 @@ pub(crate) fn carried_on(
     Ok(candidates)
 }
 
-/// The same candidates for the arm as found since, where what `depends` on that is worked out anew.
+/// The same candidates for the arm as found since, whose friction is `rounded` otherwise on some joints: those that depend on either are
+/// renewed.
 ///
 /// # Errors
 /// If a log is too short to differentiate.
@@ -228,8 +229,9 @@ pub(crate) fn renewed(
     arm: &Arm,
     rows: &Rows,
     (trust, only): (Trust, &[String]),
-    depends: impl Fn(&dyn Effect, usize) -> bool,
+    rounded: &[usize],
 ) -> Result<Vec<Candidate>> {
+    let depends = |effect: &dyn Effect, joint: usize| depends_on_rounding(effect, joint, rounded);
     candidates.retain(|candidate| !depends(candidate.placed.effect, candidate.placed.joint));
     candidates.extend(at(arm, rows, wanted(rows, trust, only), depends)?);
     Ok(candidates)
@@ -296,7 +298,6 @@ pub fn places(effect: &dyn Effect, robot: &Robot) -> Vec<usize> {
 mod tests {
     use super::*;
     use crate::diagnosis::logs::FEWEST_ROWS;
-    use crate::diagnosis::model::depends_on_rounding;
     use crate::diagnosis::test_logs::log;
     use crate::effects::{Rounding, Scope, find};
     use crate::robot::{InertiaCheck, load};

@@ -186,17 +186,30 @@ pub fn direction(velocity: f64, width: f64) -> f64 {
 /// Torque that each placed effect adds along a motion: its law at the joints, and what the bodies it alters need more. Effects
 /// in gears and sensors add nothing here.
 pub fn contributions(placed: &[Placed], along: &Along) -> Vec<Contribution> {
-    // Poses are the same for all laws that ask for them.
-    let needs_frames = placed.iter().any(|one| one.effect.uses_frames());
-    let mut frames: Vec<Option<Vec<Pose>>> = vec![None; if needs_frames { along.samples() } else { 0 }];
-    placed.iter().map(|one| of_law(one, along, &mut frames)).collect()
+    let mut poses = Poses::default();
+    placed.iter().map(|one| of_law(one, along, &mut poses)).collect()
 }
 
-/// Torque of one; `frames` are poses of the samples at which a law asked for them, of none where no law asks.
-fn of_law(placed: &Placed, along: &Along, frames: &mut [Option<Vec<Pose>>]) -> Contribution {
+/// Poses of the joint frames along a motion, at the samples at which a law asked for them: they are the same for all laws.
+#[derive(Debug, Default)]
+pub(crate) struct Poses(Vec<Option<Vec<Pose>>>);
+
+impl Poses {
+    fn at(&mut self, sample: usize, samples: usize, robot: &Robot, q: &[f64]) -> &[Pose] {
+        self.0.resize(samples, None);
+        self.0[sample].get_or_insert_with(|| robot.frames(q))
+    }
+}
+
+/// [`contributions`] of one; `poses` are those known along the same motion.
+pub(crate) fn of_law(placed: &Placed, along: &Along, poses: &mut Poses) -> Contribution {
     let Placed { effect, joint, parameters } = placed;
     let (about, dof, samples) = (effect.about(), along.robot.dof(), along.samples());
     let mut torque = altered_bodies(placed, along);
+    if let Some(own) = effect.torque_at_positions(parameters, along.motion.q.channel(*joint)) {
+        torque.on_mut(*joint, samples).iter_mut().zip(own).for_each(|(sum, more)| *sum += more);
+        return torque;
+    }
     let mut memory = vec![0.0; effect.memory()];
     // Most laws act on one joint: the others need not be looked at, sample by sample.
     let channels = if about.scope == Scope::Joint { *joint..joint + 1 } else { 0..dof };
@@ -212,10 +225,8 @@ fn of_law(placed: &Placed, along: &Along, frames: &mut [Option<Vec<Pose>>]) -> C
         if memory.is_empty() && !(from..=to).contains(&instant.t) {
             continue;
         }
-        if effect.uses_frames()
-            && let Some(frames) = frames.get_mut(sample)
-        {
-            instant.frames = Some(frames.get_or_insert_with(|| along.robot.frames(instant.q)));
+        if effect.uses_frames() {
+            instant.frames = Some(poses.at(sample, samples, along.robot, instant.q));
         }
         out[channels.clone()].fill(0.0);
         effect.torque(parameters, *joint, &instant, &memory, &mut out);

@@ -91,6 +91,13 @@ pub trait Effect: Sync {
         let _ = (p, joint, x, memory, out);
     }
 
+    /// Torque on its joint at many positions of it, where it depends on nothing else and lanes work it out faster than
+    /// [`Effect::torque`] does one after the other; None for all other laws.
+    fn torque_at_positions(&self, p: &[f64], q: &[f64]) -> Option<Vec<f64>> {
+        let _ = (p, q);
+        None
+    }
+
     /// Whether its torque takes the poses of the joint frames.
     fn uses_frames(&self) -> bool {
         false

@@ -44,6 +44,7 @@ mod testing;
 
 pub use about::{About, Hidden, Nature, Parameter, Rival, Role, Scope, Site};
 pub use along::{Along, Contribution, contribution, contributions, direction};
+pub(crate) use along::{Poses, of_law};
 pub(crate) use bodies::seen_from_parent;
 pub use bodies::{
     BaseTilt, ExternalContact, GravityBalancer, JointSpring, LinkInertiaError, OneSidedSpring, Payload, RotorInertia,

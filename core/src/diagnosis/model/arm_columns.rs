@@ -7,7 +7,7 @@ use crate::diagnosis::regression::Column;
 use crate::dynamics::{Motion, inverse_dynamics};
 use crate::effects::{Along, Contribution, Gear, Placed, Rounding, Scope, Site, behind_gears};
 use crate::error::Result;
-use crate::identification::effect_model::{Arm, Geared, Trust, law_sites, laws};
+use crate::identification::effect_model::{Arm, Geared, Laws, Trust, law_sites};
 use crate::identification::model::Model;
 use crate::identification::standard::{COULOMB, STANDARD};
 use crate::signal::second_derivative;
@@ -180,26 +180,22 @@ impl Arm {
             let logs = rows.logs.par_iter().zip(&sites).enumerate();
             let logs = logs.map(|(k, (log, sites))| match acting.contains(&k) {
                 true => self.added_to(batch, log, sites, moved),
-                false => Ok(vec![Contribution::default(); batch.len()]),
+                false => Ok(vec![Vec::new(); batch.len()]),
             });
-            let logs: Vec<Vec<Contribution>> = logs.collect::<Result<_>>()?;
-            Ok((0..batch.len()).map(|index| over_rows(rows, |log, joint| logs[log][index].on(joint))).collect())
+            let logs: Vec<Vec<AsLogged>> = logs.collect::<Result<_>>()?;
+            let of = |index: usize| over_rows(rows, |log, joint| logs[log][index].get(joint)?.as_deref());
+            Ok((0..batch.len()).map(of).collect())
         });
         let batches: Vec<Vec<Column>> = batches.collect::<Result<_>>()?;
         Ok(batches.into_iter().flatten().collect())
     }
 
-    fn added_to(
-        &self,
-        batch: &[Placed],
-        log: &Log,
-        sites: &[(Site, Along)],
-        moved: Moved,
-    ) -> Result<Vec<Contribution>> {
+    fn added_to(&self, batch: &[Placed], log: &Log, sites: &[(Site, Along)], moved: Moved) -> Result<Vec<AsLogged>> {
         let (mut plain, mut carried, mut to_move) = (None, None, None);
+        let mut laws = Laws::new(sites);
         let mut all = Vec::with_capacity(batch.len());
-        for (placed, done) in batch.iter().zip(laws(batch, sites)) {
-            let torque = match (done, placed.effect.gear(&placed.parameters)) {
+        for placed in batch {
+            let torque: Contribution = match (laws.torque(placed), placed.effect.gear(&placed.parameters)) {
                 (Some(torque), _) => torque,
                 (None, Some(gear)) => {
                     let carried = carried.get_or_insert_with(|| self.load(&log.motion));
@@ -214,7 +210,10 @@ impl Arm {
                     self.changed(placed, log, before)?.into()
                 }
             };
-            all.push(torque);
+            // At the rate of the rows at once: hundreds of signals at the log's own rate would each take memory anew.
+            all.push(
+                (0..log.motion.joints()).map(|joint| torque.on(joint).map(|torque| log.as_logged(torque))).collect(),
+            );
         }
         Ok(all)
     }
@@ -275,25 +274,34 @@ impl Arm {
     }
 }
 
-/// The torque that `of` gives for a log, at its own rate, and a joint as a column over the rows; None where there is none.
+/// Torque on each joint over the rows of a log; None where there is none.
+type AsLogged = Vec<Option<Vec<f64>>>;
+
+/// The torque that `of` gives over the rows of a log on a joint as a column; None where there is none.
 fn over_rows<'a>(rows: &Rows, of: impl Fn(usize, usize) -> Option<&'a [f64]>) -> Column {
     let logs = || 0..rows.logs.len();
     Column::new((0..rows.dof()).map(|joint| {
-        match logs().all(|log| of(log, joint).is_none()) {
-            true => Vec::new(),
-            false => logs()
-                .flat_map(|log| match of(log, joint) {
-                    Some(torque) => rows.logs[log].as_logged(torque),
-                    None => vec![0.0; rows.starts[log + 1] - rows.starts[log]],
-                })
-                .collect(),
+        if logs().all(|log| of(log, joint).is_none()) {
+            return Vec::new();
         }
+        let mut all = Vec::with_capacity(rows.len());
+        for log in logs() {
+            match of(log, joint) {
+                Some(torque) => all.extend_from_slice(torque),
+                None => all.resize(rows.starts[log + 1], 0.0),
+            }
+        }
+        all
     }))
 }
 
 /// Torques of all logs, `[joint][time]`, at their own rates as a column over the rows.
 pub(super) fn all_over_rows(rows: &Rows, logs: &[Channels]) -> Column {
-    over_rows(rows, |log, joint| Some(logs[log].channel(joint)))
+    let on = |joint: usize| {
+        let each = rows.logs.iter().zip(logs);
+        each.flat_map(|(log, torque)| log.as_logged(torque.channel(joint))).collect()
+    };
+    Column::new((0..rows.dof()).map(on))
 }
 
 /// Whether a base parameter is Coulomb friction.

@@ -1,6 +1,7 @@
 //! Torque ripple: a torque that repeats n times per turn of the joint, from motor cogging or gear meshing.
 
 use crate::effects::{About, Effect, Hidden, Instant, Nature, Parameter, Rival, Role, Scope, Search, Site};
+use crate::lane::{Kernel, Lane, Lanes};
 use crate::robot::Unit;
 
 /// Ac cos(n q) + As sin(n q).
@@ -111,13 +112,40 @@ impl Effect for TorqueRipple {
     }
 
     fn torque(&self, p: &[f64], joint: usize, x: &Instant, _: &[f64], out: &mut [f64]) {
-        // A scan asks for one of the two at a time, hundreds of times along a log.
-        let angle = p[2] * x.q[joint];
-        out[joint] += match (p[0], p[1]) {
-            (cosine, 0.0) => cosine * angle.cos(),
-            (0.0, sine) => sine * angle.sin(),
-            (cosine, sine) => cosine * angle.cos() + sine * angle.sin(),
-        };
+        out[joint] += ripple(p, x.q[joint]);
+    }
+
+    /// A scan asks for hundreds of orders along every log.
+    fn torque_at_positions(&self, p: &[f64], q: &[f64]) -> Option<Vec<f64>> {
+        let mut torque = vec![0.0; q.len()];
+        let largest = q.iter().fold(0.0f64, |largest, q| largest.max(q.abs()));
+        Lanes::best().for_angles_to(p[2] * largest).run(AtPositions { p, q, torque: &mut torque });
+        Some(torque)
+    }
+}
+
+/// The law at one position, or at several side by side.
+#[inline(always)]
+fn ripple<L: Lane>(p: &[f64], q: L) -> L {
+    let (sine, cosine) = (L::splat(p[2]) * q).sin_cos();
+    L::splat(p[0]).mul_add(cosine, L::splat(p[1]) * sine)
+}
+
+/// The law at many positions.
+struct AtPositions<'a> {
+    p: &'a [f64],
+    q: &'a [f64],
+    torque: &'a mut [f64],
+}
+
+impl Kernel for AtPositions<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lane>(self) {
+        for (q, torque) in self.q.chunks(L::WIDTH).zip(self.torque.chunks_mut(L::WIDTH)) {
+            ripple(self.p, L::load_part(q)).store_part(torque);
+        }
     }
 }
 
@@ -134,5 +162,17 @@ mod tests {
         assert!((torque - 6.464_101_615_14).abs() < 1e-10, "{torque}");
         assert_eq!(torque, torque_at(&TorqueRipple, &[4.0, 6.0, 20.0], q, 0.5));
         assert_eq!(torque_at(&TorqueRipple, &[0.0, 0.0, 20.0], q, 0.5), 0.0);
+    }
+
+    #[test]
+    fn many_positions_at_once_are_one_after_the_other() {
+        let p = [4.0, -6.0, 33.0];
+        let q: Vec<f64> = (0..37).map(|k| 0.17 * f64::from(k) - 2.0).collect();
+        let all = TorqueRipple.torque_at_positions(&p, &q).unwrap();
+        let each = q.iter().map(|q| torque_at(&TorqueRipple, &p, *q, 0.5));
+        assert!(all.iter().zip(each).all(|(all, one)| (all - one).abs() < 1e-13), "{all:?}");
+        // Beyond the reach of the lanes' sines.
+        let far = TorqueRipple.torque_at_positions(&p, &[1e5]).unwrap();
+        assert_eq!(far[0], torque_at(&TorqueRipple, &p, 1e5, 0.5));
     }
 }

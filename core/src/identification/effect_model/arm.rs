@@ -3,7 +3,7 @@
 use super::arm_parameters::Trust;
 use crate::channels::Channels;
 use crate::dynamics::{Chain, Motion, inverse_dynamics, mass_matrix};
-use crate::effects::{Along, Contribution, Placed, Rounding, Site, contributions};
+use crate::effects::{Along, Contribution, Placed, Poses, Rounding, Site, of_law};
 use crate::identification::model::Model;
 use crate::identification::standard::{ROTOR, STANDARD};
 use crate::robot::Robot;
@@ -135,7 +135,8 @@ impl Arm {
     pub(crate) fn contributions(&self, placed: &[Placed], time: &[f64], motion: &Motion) -> Vec<Contribution> {
         let sites: Vec<(Site, Along)> =
             law_sites(placed).map(|site| (site, self.laws_along(site, time, motion))).collect();
-        laws(placed, &sites).into_iter().map(Option::unwrap_or_default).collect()
+        let mut laws = Laws::new(&sites);
+        placed.iter().map(|one| laws.torque(one).unwrap_or_default()).collect()
     }
 
     /// Torque that the gears of the arm as found carry, `[joint][time]`: that of the bodies alone.
@@ -184,18 +185,22 @@ pub(crate) fn law_sites(placed: &[Placed]) -> impl Iterator<Item = Site> {
     [Site::Joint, Site::Integrator].into_iter().filter(|site| placed.iter().any(|one| law_site(one) == Some(*site)))
 }
 
-/// Torque of effects, one each, by what their laws ask at each of their sites; None for effects in gears and sensors.
-pub(crate) fn laws(placed: &[Placed], sites: &[(Site, Along)]) -> Vec<Option<Contribution>> {
-    let mut all = vec![None; placed.len()];
-    for (site, along) in sites {
-        let here: Vec<usize> = (0..placed.len()).filter(|&k| law_site(&placed[k]) == Some(*site)).collect();
-        if here.is_empty() {
-            continue;
-        }
-        let laws: Vec<Placed> = here.iter().map(|&k| placed[k].clone()).collect();
-        here.into_iter().zip(contributions(&laws, along)).for_each(|(k, torque)| all[k] = Some(torque));
+/// Laws along a motion, by what they ask at each of their sites.
+pub(crate) struct Laws<'s, 'a> {
+    sites: Vec<(Site, &'s Along<'a>, Poses)>,
+}
+
+impl<'s, 'a> Laws<'s, 'a> {
+    pub(crate) fn new(sites: &'s [(Site, Along<'a>)]) -> Self {
+        Laws { sites: sites.iter().map(|(site, along)| (*site, along, Poses::default())).collect() }
     }
-    all
+
+    /// Torque of an effect; None for effects in gears and sensors.
+    pub(crate) fn torque(&mut self, placed: &Placed) -> Option<Contribution> {
+        let own = law_site(placed)?;
+        let (_, along, poses) = self.sites.iter_mut().find(|(site, ..)| *site == own)?;
+        Some(of_law(placed, along, poses))
+    }
 }
 
 #[cfg(test)]

@@ -13,7 +13,7 @@ mod sensing;
 mod signals;
 mod state;
 
-pub(crate) use arm::{Arm, law_sites, laws};
+pub(crate) use arm::{Arm, Laws, law_sites};
 pub use arm_parameters::Trust;
 pub(crate) use links::Geared;
 pub(in crate::identification) use state::goes_on;

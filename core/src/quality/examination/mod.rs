@@ -15,6 +15,7 @@ use crate::recording::lenient::{self, ColumnMap, Sieved};
 use crate::robot::Robot;
 use alone::Read;
 use nalgebra::Vector3;
+use rayon::prelude::*;
 use std::path::Path;
 
 /// Faults of the signals after which torques and motion do not belong together, whatever robot they are of.
@@ -56,16 +57,12 @@ pub fn examine(sieved: &Sieved, robot: Option<&Robot>) -> Result<Report> {
 /// # Errors
 /// Those of [`examine`].
 pub fn examine_together(logs: &[&Sieved], robot: Option<&Robot>) -> Result<Together> {
-    let (mut reports, mut torques) = (Vec::new(), Vec::new());
-    let read: Vec<Read> = logs.iter().map(|log| Read::new(log, robot)).collect::<Result<_>>()?;
+    let read: Vec<Read> = logs.par_iter().map(|log| Read::new(log, robot)).collect::<Result<_>>()?;
     // Bodies whose weight a simulator carries in part, those described or free ones, are not those of the torques.
     let (limits_of, robot) = (robot, robot.filter(|robot| robot.lifted.is_empty()));
     let clocks = clocks::shown(&read, robot)?;
-    for (read, clock) in read.into_iter().zip(clocks) {
-        let (report, usable) = read.examined(clock)?;
-        reports.push(report);
-        torques.push(usable);
-    }
+    let examined = read.into_par_iter().zip(clocks).map(|(read, clock)| read.examined(clock));
+    let (mut reports, mut torques): (Vec<Report>, Vec<_>) = examined.collect::<Result<Vec<_>>>()?.into_iter().unzip();
     let with_torque: Vec<usize> = (0..logs.len()).filter(|&log| torques[log].is_some()).collect();
     let mut views = views_of(&torques, robot)?;
     let mut judged = Descriptions::of(&views, robot);

@@ -14,12 +14,14 @@ use crate::dynamics::Motion;
 use crate::identification::model::Model;
 use crate::identification::tsqr::Triangle;
 use crate::robot::Robot;
+use rayon::prelude::*;
 
 mod dead_time;
 mod joint_fit;
+mod of_joint;
 
-use dead_time::{Lags, Search};
-use joint_fit::JointFit;
+use dead_time::Lags;
+use of_joint::{OfJoint, Rows};
 
 /// Samples of the log that enter the models.
 const ROWS: usize = 4000;
@@ -76,40 +78,23 @@ pub(super) fn examined(view: &View, summaries: &mut [JointSummary], robot: Optio
         Some(model) => model.columns(&motion, 0.0),
         None => (0..view.dof()).map(|joint| joint_alone(&motion, joint)).collect(),
     };
+    let along = Rows { view, rows: &rows, motion: &motion, reach, asks_lags: robot.is_some() };
+    let of_joint = |joint: usize| OfJoint::new(&along, joint, &columns[joint]);
+    let joints: Vec<Option<OfJoint>> = (0..view.dof()).into_par_iter().map(of_joint).collect();
     let mut out = Vec::new();
     // By all rows, and by those away from reversals.
     let [mut near, mut far, mut near_away, mut far_away] = [(); 4].map(|()| Lags::default());
-    for joint in 0..view.dof() {
-        let tau = view.tau.channel(joint);
-        let silent = tau.iter().all(|v| *v == tau[0] || v.is_nan());
-        let all = |_: usize| true;
-        let fit = JointFit::new(&columns[joint], &rows, motion.qd.channel(joint), view.band[joint], all);
-        let fit = fit.filter(|_| !silent);
-        let Some(fit) = fit else { continue };
-        summaries[joint].unexplained = Some(fit.unexplained(tau, 0));
-        summaries[joint].constant = fit.constant(tau);
-        // A torque that is no measurement in parts lags nothing.
-        if robot.is_some() && channels::spoilt(view, joint).is_empty() {
-            let since = SinceReversal::of(view, joint);
-            let with_reversals = columns[joint].iter().map(<[f64]>::to_vec).chain(since.decaying(&rows));
-            let with_reversals = Channels::from_vectors(&with_reversals.collect::<Vec<_>>());
-            let fit = JointFit::new(&with_reversals, &rows, motion.qd.channel(joint), view.band[joint], all);
-            let lag = fit.and_then(|fit| Search::Near(reach).lag(&fit, tau));
-            summaries[joint].dead_time_s = lag.and_then(|lag| lag.shown_s(view.period));
-            tracing::debug!(joint, ?lag, "lag");
-            near.add(joint, lag);
-            let search = Search::far(view);
-            let within = |row: usize| search.is_within(row, tau.len());
-            let fit = JointFit::new(&with_reversals, &rows, motion.qd.channel(joint), view.band[joint], within);
-            far.add(joint, fit.and_then(|fit| search.lag(&fit, tau)));
-            let away = |search: Search, lags: &mut Lags| {
-                let wanted = |row: usize| search.is_within(row, tau.len()) && since.is_beyond(row, BUILT_UP);
-                let fit = JointFit::new(&columns[joint], &rows, motion.qd.channel(joint), view.band[joint], wanted);
-                lags.add(joint, fit.and_then(|fit| search.lag(&fit, tau)));
-            };
-            away(Search::Near(reach), &mut near_away);
-            away(search, &mut far_away);
-        }
+    for (joint, own) in joints.into_iter().enumerate() {
+        let Some(OfJoint { unexplained, constant, lags }) = own else { continue };
+        summaries[joint].unexplained = Some(unexplained);
+        summaries[joint].constant = constant;
+        let Some(lags) = lags else { continue };
+        summaries[joint].dead_time_s = lags.near.and_then(|lag| lag.shown_s(view.period));
+        tracing::debug!(joint, lag = ?lags.near, "lag");
+        near.add(joint, lags.near);
+        far.add(joint, lags.far);
+        near_away.add(joint, lags.near_away);
+        far_away.add(joint, lags.far_away);
     }
     out.extend(near.finding(view, &near_away).or_else(|| {
         let finding = far.finding(view, &far_away)?;

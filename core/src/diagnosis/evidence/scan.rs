@@ -69,6 +69,12 @@ impl Scan {
         Scan { judged, impossible, stand, change, log_odds }
     }
 
+    /// Gives back the memory of tests that no longer count.
+    pub(crate) fn clear(&mut self) {
+        (self.judged, self.stand) = (Vec::new(), Vec::new());
+        self.impossible.clear();
+    }
+
     /// How many independent tests the scan is worth.
     pub(crate) fn multiplicity(&self, fit: &Projection, whitener: &Whitener, seed: u64) -> Multiplicity {
         let scanned: Vec<Scanned> = self

@@ -69,7 +69,7 @@ pub(super) fn search(
                 refused.clear();
                 in_own_noise.clear();
                 more = true;
-                round = round.next(&mut all_logs, &mut known, options)?;
+                round.renew(&[], &mut all_logs, &mut known, options)?;
             }
             Outcome::Refused(Refusal { may_be, failed, .. }) => {
                 refused.push(Refused::new(&winner.candidate, may_be));

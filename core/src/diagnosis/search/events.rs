@@ -52,7 +52,7 @@ pub(super) fn held_by_noise(
     session: &Session,
     members: &[Member],
     (all, whitener): (&[Candidate], &Whitener),
-    lasting: &[&Candidate],
+    lasting: &[Candidate],
     (multiplicity, alpha): (&Multiplicity, f64),
 ) -> Result<Searched> {
     let criteria = &session.criteria;
@@ -69,7 +69,7 @@ pub(super) fn held_by_noise(
     let fit = plain.fit(&present, &session.logs.train.torque);
     let events: Vec<&Candidate> = all.iter().filter(|candidate| is_event(candidate.placed.effect)).collect();
     let judged: Vec<Judged> = events.into_par_iter().filter_map(|event| session.judge(event, &plain, &fit)).collect();
-    let explained = |candidate: &&Candidate| session.judge(candidate, &plain, &fit).map(|judged| judged.test.statistic);
+    let explained = |candidate: &Candidate| session.judge(candidate, &plain, &fit).map(|judged| judged.test.statistic);
     let of_lasting = lasting.iter().filter_map(explained).fold(0.0, f64::max);
     let of_events = judged.iter().map(|judged| judged.test.statistic).fold(0.0, f64::max);
     if of_lasting > of_events {

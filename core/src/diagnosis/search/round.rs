@@ -55,28 +55,22 @@ impl Round {
         Self::renewed(session, (whitener, fit), carried_on, options, &[])
     }
 
-    /// The same again after more was found.
+    /// Goes on after more was found, where the sign of friction on some joints is `rounded` otherwise since.
     ///
     /// # Errors
     /// If a log is too short to differentiate.
-    pub(super) fn next(self, session: &mut Session, found: &mut [Found], options: &Options) -> Result<Self> {
-        self.rounded_anew(&[], session, found, options)
-    }
-
-    /// The same where the sign of friction on some joints is `rounded` otherwise since.
-    ///
-    /// # Errors
-    /// If a log is too short to differentiate.
-    pub(super) fn rounded_anew(
-        self,
+    pub(super) fn renew(
+        &mut self,
         rounded: &[usize],
         session: &mut Session,
         found: &mut [Found],
         options: &Options,
-    ) -> Result<Self> {
-        let (whitener, fit) = settled(session, found)?;
-        drop(self.scan);
-        Self::renewed(session, (whitener, fit), self.all, options, rounded)
+    ) -> Result<()> {
+        let settled = settled(session, found)?;
+        // The columns of both scans together would take twice the memory.
+        self.scan.clear();
+        *self = Self::renewed(session, settled, std::mem::take(&mut self.all), options, rounded)?;
+        Ok(())
     }
 
     /// With the candidates for the arm as estimated, whose friction is `rounded` otherwise on some joints.

@@ -57,10 +57,7 @@ pub(crate) struct Selection {
 /// If a log is too short to differentiate.
 pub(crate) fn select(session: &mut Session, options: &Options, watch: &mut Watch) -> Result<Selection> {
     let mut found: Vec<Found> = Vec::new();
-    let mut refused: Vec<Refused> = Vec::new();
-    let (mut rejected, mut faint): (Vec<Rejected>, Vec<Rejected>) = Default::default();
-    let (mut in_a_row, mut asked) = (0, 0);
-    let mut in_own_noise = InOwnNoise::default();
+    let mut rejected: Vec<Rejected> = Vec::new();
     let mut round = Round::first(session, &mut found, options)?;
     let impacts = rattling_gears(session, options)?;
     found.extend(impacts.found);
@@ -70,108 +67,34 @@ pub(crate) fn select(session: &mut Session, options: &Options, watch: &mut Watch
         session.go_on_with(logs);
     }
     if !found.is_empty() {
-        round = round.next(session, &mut found, options)?;
+        round.renew(&[], session, &mut found, options)?;
     }
     let first_whitener = round.whitener.clone();
     tracing::debug!(new = ?first_whitener.innovation_std(), rows = ?first_whitener.rows(), "noise");
     let multiplicity = round.scan.multiplicity(&round.fit, &round.whitener, options.seed);
     let ranking = ranking(&round.scan);
     let sizes = Sizes::new(session);
-    // Events are looked for at first, and again once nothing else is found: every look fits each window of time anew.
-    let (mut events_asked, mut postponed, mut exhausted) = (None, false, false);
-    while found.len() < options.max_findings && !watch.is_over() {
-        watch.tell(Progress::Found(found.len()));
-        exhausted |= in_a_row >= session.criteria.search.refusals[0];
-        if (events_asked.is_none() && !postponed) || exhausted {
-            if events_asked == Some(found.len()) {
-                break;
-            }
-            let present = members(&found);
-            // Once nothing else is found, no law that lasts stands against them.
-            let lasting = if exhausted { Vec::new() } else { clearest_lasting(&round.scan) };
-            let (candidates, level) = ((&round.all[..], &round.whitener), (&multiplicity, options.alpha));
-            let events = held_by_noise(session, &present, candidates, &lasting, level)?;
-            rejected.extend(events.rejected);
-            (events_asked, postponed) = if events.postponed { (None, true) } else { (Some(found.len()), false) };
-            if let Some(accepted) = events.accepted {
-                in_own_noise.clear();
-                found.push(Found::new(accepted, Vec::new()));
-                round = after_one_more(session, &mut found, round, options)?;
-                (in_a_row, exhausted, events_asked) = (0, false, None);
-                continue;
-            }
-            if exhausted {
-                break;
-            }
-        }
-        // Nothing confirms those that only the training logs can show.
-        let standing = |judged: &Judged, level: f64| {
-            let candidate = &judged.candidate;
-            let limit = options.alpha * strictness(candidate, &session.criteria.search);
-            let judgement = Judgement::at_most(Gate::FamilyWise, level, limit);
-            match Standing::by(judgement.or(is_confirmable(candidate)), options.alpha) {
-                Standing::MayWin => sizes.standing(judged, level <= options.alpha),
-                other => other,
-            }
-        };
-        let contenders = Contenders::new(&round.scan, &found, &refused, &multiplicity, standing);
-        faint.clone_from(&contenders.rejected);
-        if contenders.best.is_empty() {
-            exhausted = true;
-            continue;
-        }
-        let level = contenders.level;
-        for judged in contenders.best.iter().take(LOGGED) {
-            let (family, test) = (judged.candidate.family(), &judged.test);
-            tracing::debug!(
-                ?family,
-                statistic = test.statistic,
-                freedom = test.freedom,
-                log_p = test.log_p(),
-                "candidate"
-            );
-        }
-        // What the training logs alone do not show may show together with the held-out ones.
-        let tries = session.criteria.search.attempts().get(asked).copied();
-        if level > options.alpha && (tries.is_none() || level > session.criteria.levels.even_p) {
-            rejected.extend(contenders.not_significant(options.alpha));
-            exhausted = true;
-            continue;
-        }
-        let members = members(&found);
-        let compared = compare(session, &members, &contenders, &round.scan, &multiplicity, &mut in_own_noise)?;
-        watch.tell(Progress::Found(found.len()));
-        let Chosen { winner, alternatives, whitener: under } = chosen(session, &members, &compared)?;
-        tracing::debug!(winner = ?winner.candidate.slot(), at = ?winner.candidate.placed.parameters, level, ?alternatives, "comparison");
-        let Round { whitener, fit, .. } = &round;
-        let trial = Trial {
-            session,
-            members: &members,
-            whitener,
-            fit,
-            multiplicity: &multiplicity,
-            alpha: options.alpha,
-            tries,
-        };
-        match trial.of(&winner, level, under)? {
-            Outcome::Accepted(accepted) => {
-                let alternatives = explained_by_play(session, &found, &accepted.member, alternatives);
-                // What was refused where this acts was seen in a noise that did not know it.
-                let joints = accepted.member.candidate.joints();
-                refused.retain(|other| !other.joints.iter().any(|joint| joints.contains(joint)));
-                (in_a_row, asked) = (0, 0);
-                in_own_noise.clear();
-                found.push(Found::new(*accepted, alternatives));
-                round = after_one_more(session, &mut found, round, options)?;
-            }
-            Outcome::Refused(Refusal { may_be, asked: in_vain, failed }) => {
-                refused.push(Refused::new(&winner.candidate, may_be));
-                rejected.push(Rejected { slot: winner.candidate.slot(), failed });
-                in_a_row += 1;
-                asked += usize::from(in_vain);
-            }
+    let mut forward = Forward {
+        session,
+        options,
+        multiplicity: &multiplicity,
+        sizes: &sizes,
+        round,
+        found,
+        refused: Vec::new(),
+        rejected,
+        faint: Vec::new(),
+        in_a_row: 0,
+        asked: 0,
+        events: Events::NotYet,
+        in_own_noise: InOwnNoise::default(),
+    };
+    while forward.found.len() < options.max_findings && !watch.is_over() {
+        if !forward.step(watch)? {
+            break;
         }
     }
+    let Forward { round, mut found, mut rejected, mut faint, .. } = forward;
     let is_full = found.len() >= options.max_findings;
     // Of what held-out logs cannot confirm, what is significant with all that was found in the model.
     faint.retain(|one| rejected.iter().all(|other| other.slot != one.slot));
@@ -199,17 +122,150 @@ pub(crate) fn select(session: &mut Session, options: &Options, watch: &mut Watch
     Ok(Selection { found, is_full, rejected, whitener, first_whitener, held_out, multiplicity, ranking, sensitivity })
 }
 
-/// The laws that last and are the likeliest of a scan, of different families.
-fn clearest_lasting(scan: &Scan) -> Vec<&Candidate> {
-    let best = scan.best_per_family().into_iter().map(|judged| &judged.candidate);
-    best.filter(|candidate| !is_event(candidate.placed.effect)).take(STANDING_AGAINST).collect()
+/// Whether events were looked for: every look fits each window of time anew.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Events {
+    /// Not since the last that was found.
+    NotYet,
+    /// A lasting law explained more than any of them.
+    Postponed,
+    /// When so many effects were found.
+    LookedFor(usize),
 }
 
-/// The next round, after one more effect was found: what was decided before it is decided again. Rows near the ends of an event are left
-/// out, and the rounding of friction on the joints on which it acts is that of the residual with it.
-fn after_one_more(session: &mut Session, found: &mut [Found], round: Round, options: &Options) -> Result<Round> {
+/// Forward selection at work.
+struct Forward<'a, 's> {
+    session: &'a mut Session<'s>,
+    options: &'a Options,
+    multiplicity: &'a Multiplicity,
+    sizes: &'a Sizes,
+    /// The tests of all candidates with what was found in the model.
+    round: Round,
+    found: Vec<Found>,
+    /// Winners that failed a gate, as long as nothing new is found where they act.
+    refused: Vec<Refused>,
+    /// All that failed a gate.
+    rejected: Vec<Rejected>,
+    /// What is significant in the last scan and held-out logs cannot confirm.
+    faint: Vec<Rejected>,
+    /// Winners refused since the last one that was accepted.
+    in_a_row: usize,
+    /// How often held-out logs were asked in vain since then.
+    asked: usize,
+    events: Events,
+    in_own_noise: InOwnNoise,
+}
+
+impl Forward<'_, '_> {
+    /// Looks for one more effect: an event at first and once nothing else is found, else the best candidate of the scan. Returns whether
+    /// anything is left to look for.
+    fn step(&mut self, watch: &mut Watch) -> Result<bool> {
+        watch.tell(Progress::Found(self.found.len()));
+        if self.in_a_row >= self.session.criteria.search.refusals[0] {
+            return self.last_event();
+        }
+        if self.events == Events::NotYet {
+            let lasting: Vec<Candidate> = clearest_lasting(&self.round.scan).cloned().collect();
+            if self.takes_event(&lasting)? {
+                return Ok(true);
+            }
+        }
+        let (session, alpha, multiplicity, sizes) = (&*self.session, self.options.alpha, self.multiplicity, self.sizes);
+        // Nothing confirms those that only the training logs can show.
+        let standing = |judged: &Judged, level: f64| {
+            let candidate = &judged.candidate;
+            let limit = alpha * strictness(candidate, &session.criteria.search);
+            let judgement = Judgement::at_most(Gate::FamilyWise, level, limit);
+            match Standing::by(judgement.or(is_confirmable(candidate)), alpha) {
+                Standing::MayWin => sizes.standing(judged, level <= alpha),
+                other => other,
+            }
+        };
+        let Round { scan, whitener, fit, .. } = &self.round;
+        let contenders = Contenders::new(scan, &self.found, &self.refused, multiplicity, standing);
+        self.faint.clone_from(&contenders.rejected);
+        if contenders.best.is_empty() {
+            return self.last_event();
+        }
+        let level = contenders.level;
+        for judged in contenders.best.iter().take(LOGGED) {
+            let (family, test) = (judged.candidate.family(), &judged.test);
+            tracing::debug!(
+                ?family,
+                statistic = test.statistic,
+                freedom = test.freedom,
+                log_p = test.log_p(),
+                "candidate"
+            );
+        }
+        // What the training logs alone do not show may show together with the held-out ones.
+        let tries = session.criteria.search.attempts().get(self.asked).copied();
+        if level > alpha && (tries.is_none() || level > session.criteria.levels.even_p) {
+            self.rejected.extend(contenders.not_significant(alpha));
+            return self.last_event();
+        }
+        let members = members(&self.found);
+        let compared = compare(session, &members, &contenders, scan, multiplicity, &mut self.in_own_noise)?;
+        watch.tell(Progress::Found(self.found.len()));
+        let Chosen { winner, alternatives, whitener: under } = chosen(session, &members, &compared)?;
+        tracing::debug!(winner = ?winner.candidate.slot(), at = ?winner.candidate.placed.parameters, level, ?alternatives, "comparison");
+        let trial = Trial { session, members: &members, whitener, fit, multiplicity, alpha, tries };
+        match trial.of(&winner, level, under)? {
+            Outcome::Accepted(accepted) => {
+                let alternatives = explained_by_play(session, &self.found, &accepted.member, alternatives);
+                // What was refused where this acts was seen in a noise that did not know it.
+                let joints = accepted.member.candidate.joints();
+                self.refused.retain(|other| !other.joints.iter().any(|joint| joints.contains(joint)));
+                self.take(Found::new(*accepted, alternatives))?;
+            }
+            Outcome::Refused(Refusal { may_be, asked: in_vain, failed }) => {
+                self.refused.push(Refused::new(&winner.candidate, may_be));
+                self.rejected.push(Rejected { slot: winner.candidate.slot(), failed });
+                self.in_a_row += 1;
+                self.asked += usize::from(in_vain);
+            }
+        }
+        Ok(true)
+    }
+
+    /// Takes an event that the noise holds, once nothing else is found and no law that lasts stands against it; false where there is none.
+    fn last_event(&mut self) -> Result<bool> {
+        Ok(self.events != Events::LookedFor(self.found.len()) && self.takes_event(&[])?)
+    }
+
+    /// Takes an event that the noise holds and that explains more than the `lasting` laws; false where there is none.
+    fn takes_event(&mut self, lasting: &[Candidate]) -> Result<bool> {
+        let (candidates, level) =
+            ((&self.round.all[..], &self.round.whitener), (self.multiplicity, self.options.alpha));
+        let searched = held_by_noise(self.session, &members(&self.found), candidates, lasting, level)?;
+        self.rejected.extend(searched.rejected);
+        self.events = if searched.postponed { Events::Postponed } else { Events::LookedFor(self.found.len()) };
+        let Some(accepted) = searched.accepted else { return Ok(false) };
+        self.events = Events::NotYet;
+        self.take(Found::new(accepted, Vec::new()))?;
+        Ok(true)
+    }
+
+    /// Goes on with one more effect in the model.
+    fn take(&mut self, found: Found) -> Result<()> {
+        (self.in_a_row, self.asked) = (0, 0);
+        self.in_own_noise.clear();
+        self.found.push(found);
+        after_one_more(self.session, &mut self.found, &mut self.round, self.options)
+    }
+}
+
+/// The laws that last and are the likeliest of a scan, of different families.
+fn clearest_lasting(scan: &Scan) -> impl Iterator<Item = &Candidate> {
+    let best = scan.best_per_family().into_iter().map(|judged| &judged.candidate);
+    best.filter(|candidate| !is_event(candidate.placed.effect)).take(STANDING_AGAINST)
+}
+
+/// Goes on to the next round after one more effect was found: what was decided before it is decided again. Rows near the ends of an event
+/// are left out, and the rounding of friction on the joints on which it acts is that of the residual with it.
+fn after_one_more(session: &mut Session, found: &mut [Found], round: &mut Round, options: &Options) -> Result<()> {
     let members = members(found);
-    let Some(last) = members.last() else { return round.next(session, found, options) };
+    let Some(last) = members.last() else { return round.renew(&[], session, found, options) };
     if is_event(last.placed.effect) {
         session.leave_out_ends(last);
         // Without those rows its times are known no better.
@@ -222,7 +278,7 @@ fn after_one_more(session: &mut Session, found: &mut [Found], round: Round, opti
         true => session.round_again(&members)?,
         false => Vec::new(),
     };
-    round.rounded_anew(&rounded, session, found, options)
+    round.renew(&rounded, session, found, options)
 }
 
 impl Selection {
@@ -277,7 +333,7 @@ pub(crate) fn take(session: &mut Session, given: &[Family], options: &Options, w
             Some(best) => {
                 let accepted = Accepted { member: best.member(), gain_lower_bound: 0.0, level: 1.0 };
                 found.push(Found::new(accepted, Vec::new()));
-                round = after_one_more(session, &mut found, round, options)?;
+                after_one_more(session, &mut found, &mut round, options)?;
                 watch.tell(Progress::Found(found.len()));
             }
             None => left_out.push((family, None)),

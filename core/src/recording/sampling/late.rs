@@ -130,7 +130,7 @@ fn steady(time: &[f64]) -> Option<Due> {
 }
 
 /// The line of least squares through points: its value at zero, and its slope, which is zero for a single point.
-fn line(points: &[(f64, f64)]) -> (f64, f64) {
+pub(super) fn line(points: &[(f64, f64)]) -> (f64, f64) {
     let count = points.len().max(1) as f64;
     let mean = |of: fn(&(f64, f64)) -> f64| points.iter().map(of).sum::<f64>() / count;
     let (x, y) = (mean(|point| point.0), mean(|point| point.1));

@@ -1,6 +1,7 @@
 //! The clock of a log in seconds: parts in two columns, coarse clocks, stamps that were put together wrongly, and rows of
 //! two sources.
 
+use super::late::line;
 use super::{late, late_source, restarts, set, unit, wrapped};
 use crate::error::{Error, Result};
 use crate::recording::columns::{ColumnMap, Layout};
@@ -301,13 +302,10 @@ fn spread(stamps: &[f64]) -> (Vec<f64>, f64) {
 
 /// Times at even steps through stamps; None where they do not go on.
 fn on_a_line(stamps: &[f64]) -> Option<Vec<f64>> {
-    let count = stamps.len() as f64;
-    let middle = 0.5 * (count - 1.0);
-    let mean = stamps.iter().map(|stamp| stamp - stamps[0]).sum::<f64>() / count;
-    let rows = || (0..stamps.len()).map(|row| row as f64 - middle);
-    let slope = rows().zip(stamps).map(|(row, stamp)| row * (stamp - stamps[0])).sum::<f64>()
-        / rows().map(|r| r * r).sum::<f64>();
-    (slope > 0.0).then(|| rows().map(|row| stamps[0] + mean + slope * row).collect())
+    let since: Vec<(f64, f64)> =
+        stamps.iter().enumerate().map(|(row, stamp)| (row as f64, stamp - stamps[0])).collect();
+    let (start, step) = line(&since);
+    (step > 0.0).then(|| since.iter().map(|(row, _)| stamps[0] + start + step * row).collect())
 }
 
 #[cfg(test)]

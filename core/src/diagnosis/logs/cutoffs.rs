@@ -127,7 +127,7 @@ pub(crate) fn inner_power(signal: &[f64], rate_hz: f64) -> f64 {
 }
 
 /// Median over blocks of so many samples of their mean square.
-fn typical_power(signal: &[f64], block: usize) -> f64 {
+pub(crate) fn typical_power(signal: &[f64], block: usize) -> f64 {
     let mut powers: Vec<f64> =
         signal.chunks_exact(block.max(1)).map(|part| part.iter().map(|x| x * x).sum::<f64>() / block as f64).collect();
     powers.sort_by(f64::total_cmp);

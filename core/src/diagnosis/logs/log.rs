@@ -39,7 +39,7 @@ pub struct Log {
     pub passed: Option<ZeroPhaseLowPass>,
     /// Samples in a block.
     pub block: usize,
-    /// Joints whose torque, moved in time, holds more of the encoders' noise than of the motion.
+    /// Joints whose torque, moved in time, holds so much of the encoders' noise that it attenuates the estimate of a shift.
     pub noisy: Vec<bool>,
     /// Speeds below which each joint is not known to move.
     pub slow: Vec<Slow>,

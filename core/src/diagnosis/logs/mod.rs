@@ -13,7 +13,7 @@ mod rows;
 mod screening;
 
 pub(crate) use admission::{check_held_out, check_length, refuse_twice};
-pub(crate) use cutoffs::{CUTOFFS_HZ, cutoff, cutoffs_up_to, inner_power, widest};
+pub(crate) use cutoffs::{CUTOFFS_HZ, cutoff, cutoffs_up_to, inner_power, typical_power, widest};
 pub use given::GivenLog;
 pub use input::CleanLogs;
 pub(crate) use input::Input;

@@ -86,7 +86,7 @@ pub(crate) fn prepare<'a>(
         &session.model.arm,
         &session.logs.train.rows,
         &noise.whitener,
-        criteria.structure.above_noise,
+        criteria.levels.minor,
     )?;
     session.mark_noisy(&noisy);
     session.leave_out_distorted(&noise.whitener);

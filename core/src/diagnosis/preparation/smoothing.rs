@@ -1,7 +1,7 @@
 //! How smooth the positions of each joint should be: what serves a base joint of much inertia, whose accelerations let the encoder's
 //! noise into its torque, bends the starts and stops of a wrist that friction holds.
 
-use crate::diagnosis::logs::{CUTOFFS_HZ, Rows};
+use crate::diagnosis::logs::{CUTOFFS_HZ, Rows, typical_power};
 use crate::diagnosis::model::Moved;
 use crate::diagnosis::noise::Whitener;
 use crate::diagnosis::regression::Column;
@@ -15,6 +15,9 @@ use rayon::prelude::*;
 
 /// Factor within which the cut-off of one joint lies about that of all.
 const APART: f64 = 2.2;
+
+/// Rows of a block that is short against a log, and long against a start or a stop.
+const SHORT_ROWS: usize = 20;
 
 /// Time by which torque is moved to see how noisy it gets, s.
 const MOVED_S: f64 = 1e-3;
@@ -70,22 +73,25 @@ pub(super) fn of_joints(
         .collect()
 }
 
-/// Joints whose torque, moved in time, holds mostly the encoders' noise, in units of the noise of the torque: by the factor `mostly` more
-/// than along accelerations that stand clear of the noise.
+/// Joints whose torque, moved in time, holds more than a `minor` share of the encoders' noise, in power and in units of the noise of the
+/// torque: that share attenuates the estimate of a shift (errors in variables). The noise is what lies outside the accelerations that stand
+/// clear of it, most of the time: starts and stops, which lie outside too, are short.
 ///
 /// # Errors
 /// If a log is too short to differentiate.
-pub(super) fn noisy_once_moved(arm: &Arm, rows: &Rows, whitener: &Whitener, mostly: f64) -> Result<Vec<bool>> {
+pub(super) fn noisy_once_moved(arm: &Arm, rows: &Rows, whitener: &Whitener, minor: f64) -> Result<Vec<bool>> {
     let delay = Placed { effect: effects::delay(), joint: 0, parameters: vec![MOVED_S] };
-    let power = |moved: Moved| -> Result<Column> {
+    let column = |moved: Moved| -> Result<Column> {
         let added = arm.added_in(0..rows.logs.len(), std::slice::from_ref(&delay), rows, moved)?;
         Ok(whitener.apply(&added[0]))
     };
-    let (all, clear) = (power(Moved::Modelled)?, power(Moved::Tested)?);
+    let (mut outside, clear) = (column(Moved::Modelled)?, column(Moved::Tested)?);
+    outside.add(-1.0, &clear);
     Ok((0..rows.dof())
         .map(|joint| {
-            let of = |column: &Column| column.only(&[joint]).dot(&column.only(&[joint]));
-            of(&all) > mostly * of(&clear)
+            let [outside, clear] = [&outside, &clear].map(|column| column.part(joint).unwrap_or_default());
+            let power = clear.iter().map(|x| x * x).sum::<f64>() / clear.len().max(1) as f64;
+            typical_power(outside, SHORT_ROWS) > minor * power
         })
         .collect())
 }

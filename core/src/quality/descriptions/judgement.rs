@@ -7,7 +7,7 @@ use super::fitting::{Fit, Friction, Physics, Rows};
 use super::jumps;
 use super::known::Known;
 use super::scales::{OtherScales, Scales};
-use super::search::{Found, Outcome, are_of_bodies, opposite_zeros, search, settled};
+use super::search::{Found, Outcome, are_of_bodies, is_beyond_position, opposite_zeros, search, settled};
 use super::shares::ALIKE;
 use super::sizes::{bounds, effort, spread};
 use super::tried::Tried;
@@ -187,7 +187,10 @@ fn changed(views: &[&View], robot: Option<&Robot>, tilt: &mut Option<Vector3<f64
         let known = Known { physics: bodies, other: Some(&free) };
         let outcome = search(known, &rows, &with_motion, start.clone())?;
         *tilt = tilt.or(outcome.tilt);
-        let trusted = |found: &Found| are_of_bodies((robot, bodies, &free), &rows, &start, &found.best);
+        let trusted = |found: &Found| {
+            are_of_bodies((robot, bodies, &free), &rows, &start, &found.best)
+                && is_beyond_position(robot, &rows, &found.best)
+        };
         if outcome.found.as_ref().is_some_and(trusted) {
             let first = judged(known, Some(bodies), outcome);
             let has_factors = |verdict: &Verdict| verdict.description.scaled().next().is_some();

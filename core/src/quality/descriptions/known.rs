@@ -63,7 +63,7 @@ impl<'a> Known<'a> {
                 }
             }
             // Free bodies may not see the change, and lose nothing by being asked without it.
-            Physics::Bodies(_) | Physics::Masses(_) => {
+            Physics::Bodies(_) | Physics::Sprung(..) | Physics::Masses(_) => {
                 let free = [best, reference].map(other);
                 let [Some(with), Some(without)] = &free else { return false };
                 gain.is_large(changes)

@@ -22,6 +22,9 @@ use std::ops::Range;
 /// Quantiles of a joint's speed at which the size of its friction is free; linear between.
 const FRICTION_KNOTS: [f64; 3] = [0.05, 0.4, 0.95];
 
+/// Quantiles of a joint's position between which a torque that depends on it is linear; at the first it is a part of the constant.
+const POSITION_KNOTS: [f64; 6] = [0.0, 0.2, 0.4, 0.6, 0.8, 1.0];
+
 /// Columns of friction, the last ones of every joint.
 pub(crate) const FRICTION_COLUMNS: usize = FRICTION_KNOTS.len();
 
@@ -31,6 +34,8 @@ pub(crate) enum Physics {
     Free(Box<Model>),
     /// The bodies as described; rotors are free.
     Bodies(Box<Robot>),
+    /// The same, and a torque on one joint that depends on its position alone, as those of springs and balancers do.
+    Sprung(Box<Robot>, usize),
     /// The bodies as described, but for their masses: a factor of each is free, and rotors are.
     Masses(Box<Robot>),
     /// The bodies as described, of whose torques each joint shows another multiple; rotors are free. The multiple of one joint has no
@@ -163,7 +168,7 @@ impl Physics {
             _ => description.gravity.into(),
         };
         let known = match self {
-            Physics::Bodies(robot) => {
+            Physics::Bodies(robot) | Physics::Sprung(robot, _) => {
                 let chain = Chain::new(robot).with_gravity(gravity);
                 Some(inverse_dynamics(&chain, &robot.inertial_parameters(), &motion))
             }
@@ -185,6 +190,20 @@ impl Physics {
             Physics::Bodies(_) => {
                 nonnegative.resize(dof, true);
                 (0..dof).map(|joint| (vec![joint], vec![motion.qdd.channel(joint).to_vec()])).collect()
+            }
+            Physics::Sprung(_, sprung) => {
+                nonnegative.resize(dof, true);
+                let of_position = position_columns(motion.q.channel(*sprung));
+                let places = dof..dof + of_position.len();
+                nonnegative.resize(places.end, false);
+                let of = |joint: usize| {
+                    let rotor = (vec![joint], vec![motion.qdd.channel(joint).to_vec()]);
+                    match joint == *sprung {
+                        true => (places.clone().chain(rotor.0).collect(), [of_position.clone(), rotor.1].concat()),
+                        false => rotor,
+                    }
+                };
+                (0..dof).map(of).collect()
             }
             Physics::Masses(robot) => {
                 let bodies = robot.bodies();
@@ -253,7 +272,9 @@ impl Physics {
     fn loads(&self, gravity: [f64; 3], motion: &Motion, logs: usize, bounds: &mut Bounds) -> Option<Loads> {
         let (load, held) = match self {
             Physics::Free(model) if logs > 1 => (Load::difference(model.chain(), gravity, motion), 1),
-            Physics::Bodies(robot) | Physics::Masses(robot) => (Load::on(robot, gravity, motion), 0),
+            Physics::Bodies(robot) | Physics::Sprung(robot, _) | Physics::Masses(robot) => {
+                (Load::on(robot, gravity, motion), 0)
+            }
             Physics::Free(_) | Physics::Multiples(_) | Physics::Alone => return None,
         };
         let mut first = vec![None; logs];
@@ -277,12 +298,22 @@ struct Loads {
     first: Vec<Option<usize>>,
 }
 
+/// Quantiles of some values; zeros where there are none.
+fn quantiles<const N: usize>(values: impl Iterator<Item = f64>, shares: [f64; N]) -> [f64; N] {
+    let mut values: Vec<f64> = values.collect();
+    values.sort_by(f64::total_cmp);
+    shares.map(|share| values.get(((values.len().max(1) - 1) as f64 * share) as usize).copied().unwrap_or(0.0))
+}
+
+/// Hats of the position, without the first, which the others and the constant of the drive make up.
+fn position_columns(position: &[f64]) -> Vec<Vec<f64>> {
+    let knots = quantiles(position.iter().copied(), POSITION_KNOTS);
+    (1..knots.len()).map(|knot| position.iter().map(|q| hat(&knots, knot, *q)).collect()).collect()
+}
+
 /// A constant, and the direction of motion weighted by hats of the speed; `valid` rows place their knots.
 fn drive_columns(velocity: &[f64], valid: &[usize]) -> Vec<Vec<f64>> {
-    let mut speeds: Vec<f64> = valid.iter().map(|&row| velocity[row].abs()).collect();
-    speeds.sort_by(f64::total_cmp);
-    let quantile = |share: f64| speeds.get(((speeds.len().max(1) - 1) as f64 * share) as usize).copied().unwrap_or(0.0);
-    let knots = FRICTION_KNOTS.map(quantile);
+    let knots = quantiles(valid.iter().map(|&row| velocity[row].abs()), FRICTION_KNOTS);
     let mut columns = vec![vec![1.0; velocity.len()]];
     columns.extend(
         (0..knots.len()).map(|knot| velocity.iter().map(|v| v.signum() * hat(&knots, knot, v.abs())).collect()),

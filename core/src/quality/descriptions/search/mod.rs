@@ -14,5 +14,5 @@ mod smallest;
 mod usual_zeros;
 
 pub(super) use found::Found;
-pub(super) use settle::{are_of_bodies, opposite_zeros, settled};
+pub(super) use settle::{are_of_bodies, is_beyond_position, opposite_zeros, settled};
 pub(super) use smallest::{CLEAN, Outcome, search};

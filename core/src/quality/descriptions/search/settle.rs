@@ -123,6 +123,17 @@ pub(in crate::quality::descriptions) fn are_of_bodies(
     found.share() <= LIKE_FREE * by_free(start).min(by_free(&found.description))
 }
 
+/// Whether the factor of a single torque that described bodies show explains the torques clearly better than a torque which depends on that
+/// joint's position alone: a spring or a balancer takes as much off as another unit does, and is no fault of the data. `found` is what was
+/// found under the bodies of `robot`.
+pub(in crate::quality::descriptions) fn is_beyond_position(robot: &Robot, rows: &Rows, found: &Tried) -> bool {
+    let scaled: Vec<usize> = found.description.scaled().collect();
+    let [joint] = scaled[..] else { return true };
+    let sprung = Tried::new(&Physics::Sprung(Box::new(robot.clone()), joint), rows, found.description.without_scales());
+    let gain = sprung.and_then(|sprung| compare(&sprung.evaluation, &found.evaluation, &rows.log));
+    gain.is_none_or(|gain| gain.is_distinct())
+}
+
 /// The same with one more zero, where the described bodies explain the torques by that and not without it, and free ones no worse: of axes
 /// that are parallel these see the sum of the zeros.
 fn with_zeros_of(bodies: &Physics, free: &Physics, rows: &Rows, mut found: Found) -> Found {

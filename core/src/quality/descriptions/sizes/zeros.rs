@@ -79,7 +79,7 @@ pub(crate) fn refined(physics: &Physics, rows: &Rows, from: &Description) -> Opt
 fn prepared(physics: &Physics, rows: &Rows, from: &Description) -> Option<(Chain, Rows)> {
     let chain = match physics {
         Physics::Free(model) => model.chain().clone(),
-        Physics::Bodies(robot) | Physics::Masses(robot) => Chain::new(robot),
+        Physics::Bodies(robot) | Physics::Sprung(robot, _) | Physics::Masses(robot) => Chain::new(robot),
         Physics::Multiples(_) | Physics::Alone => return None,
     };
     from.scaled().next().is_none().then(|| (chain, rows.thinned(SCANNED)))

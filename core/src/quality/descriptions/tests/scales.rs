@@ -1,5 +1,8 @@
 //! Torques of another scale, which all joints share though described bodies are wrong.
 
+use super::super::fitting::{Physics, Rows};
+use super::super::search::is_beyond_position;
+use super::super::tried::Tried;
 use super::*;
 
 /// The arm with other bodies: masses between 0.8 and 1.25 times those described.
@@ -59,6 +62,28 @@ fn the_factor_of_one_torque_is_found_from_twice_on_though_masses_are_wrong() {
         let verdict = judged(&scaled(&with_other_masses(&irb(), 3), factors));
         assert!(verdict.as_ref().is_none_or(|verdict| of_single(verdict).is_empty()), "{factor}: {verdict:?}");
     }
+}
+
+/// A strut that carries half of the weight on the second joint makes its torque too small, which a factor of two does too: the one is
+/// a matter of position, the other is not.
+#[test]
+fn a_balancer_is_no_factor() {
+    let robot = irb();
+    let is_factor = |change: &dyn Fn(&mut Recording)| {
+        let mut log = simulated(&robot, Oddity::None, 15.0, 4);
+        change(&mut log.recording);
+        let view = View::new(&log.recording, Some(&robot)).unwrap();
+        let rows = Rows::new(&[&view], Some(&robot)).unwrap();
+        let description = Description::as_given(6, robot.gravity).with(Change::JointScale(1, 2.0));
+        let found = Tried::new(&Physics::bodies(&robot).unwrap(), &rows, description).unwrap();
+        is_beyond_position(&robot, &rows, &found)
+    };
+    assert!(is_factor(&|log| log.tau.channel_mut(1).iter_mut().for_each(|torque| *torque *= 0.5)));
+    assert!(!is_factor(&|log| {
+        let q = log.q.channel(1).to_vec();
+        // The weight on the joint takes 610 N m times the sine of its position.
+        log.tau.channel_mut(1).iter_mut().zip(q).for_each(|(torque, q)| *torque += 305.0 * q.sin());
+    }));
 }
 
 /// Free bodies do not see the factor of the last torque, and a small one may be friction for the most part: then it is no other change.

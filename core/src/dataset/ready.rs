@@ -6,7 +6,7 @@ use crate::quality;
 use crate::quality::UnitChanges;
 use crate::quality::descriptions::Description;
 use crate::recording::lenient::Sieved;
-use crate::recording::{Once, Recording, resample};
+use crate::recording::{Once, Recording};
 use crate::robot::Robot;
 use std::path::{Path, PathBuf};
 
@@ -88,16 +88,24 @@ pub fn ready([train, test]: [Vec<(PathBuf, Sieved)>; 2], robot: &Robot) -> Resul
         let told = quality::standing_together(&report.findings);
         let noted = told.iter().filter(|finding| {
             let changes_the_fit = matches!(finding.kind, quality::Kind::ModelTorque | quality::Kind::MotorOff);
-            finding.severity == quality::Severity::Warning || changes_the_fit
+            // What is cut off is counted below.
+            let is_counted = finding.kind == quality::Kind::Clipped;
+            (finding.severity == quality::Severity::Warning && !is_counted) || changes_the_fit
         });
         findings
             .extend(noted.map(|finding| (path.display().to_string(), format!("{}: {}", finding.place, finding.text))));
         unsigned.iter().for_each(|&joint| sieved.recording.tau.channel_mut(joint).fill(f64::NAN));
-        quality::leave_out_unmeasured(&mut sieved.recording)?;
-        let mut pieces = resample::pieces(sieved.recording);
+        let quality::Usable { mut pieces, clipped } = quality::usable(sieved.recording)?;
         if pieces.is_empty() {
             return Err(Error::input(path, None, "t", "the clock is so full of gaps that no piece of the log is left"));
         }
+        let cut_off = clipped.iter().enumerate().filter(|(_, count)| **count > 0).map(|(joint, count)| {
+            let place = format!("tau{} ({})", joint + 1, robot.joints[joint].name);
+            let text =
+                format!("{place}: {count} samples that are cut off at a limit, and those next to them, are left out");
+            format!("{}: {text}", path.display())
+        });
+        logs.notes.extend(cut_off);
         once.take(path.display().to_string(), &pieces)?;
         if let Some(description) = &logs.correction {
             pieces.iter_mut().for_each(|piece| description.apply(piece));

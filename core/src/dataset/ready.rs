@@ -115,8 +115,11 @@ pub fn ready([train, test]: [Vec<(PathBuf, Sieved)>; 2], robot: &Robot) -> Resul
     let findings = quality::with_logs(findings);
     logs.notes.extend(findings.into_iter().map(|(paths, finding)| format!("{}: {finding}", paths.join(", "))));
     if logs.torque_is_scaled {
-        let text = "the torques are not in N m (N) at the joints, so that residuals, friction and inertias are in the unit of the log: give [units] torque and [motors] in a dataset";
-        logs.notes.push(text.to_owned());
+        let coupled = if robot.dof() > 1 { ", or motors drive several joints (coupling)" } else { "" };
+        logs.notes.push(format!(
+            "the torques are not as large as those of the joints: they may be in another unit, or those of motors behind gears{coupled}. Residuals, \
+             friction and inertias are in the unit of the log: give [units] torque or [motors] in a dataset"
+        ));
     }
     if !unsigned.is_empty() {
         let names: Vec<&str> = unsigned.iter().map(|&joint| robot.joints[joint].name.as_str()).collect();

@@ -100,7 +100,7 @@ pub fn examine_together(logs: &[&Sieved], robot: Option<&Robot>) -> Result<Toget
             if !own.description.changes.iter().all(|change| change.keeps_each_torque()) {
                 reports[log].findings.retain(|finding| finding.kind != Kind::DeadTime);
             }
-            reports[log].findings.extend(descriptions::findings(&own, &view.log.joints));
+            reports[log].findings.extend(descriptions::findings(&own, &view.log.joints, robot));
             reports[log].description = Some(own);
             reports[log].findings.sort_by_key(|finding| std::cmp::Reverse(finding.severity));
         }

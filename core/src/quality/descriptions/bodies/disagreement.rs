@@ -48,7 +48,7 @@ pub(crate) fn finding(views: &[&View], robot: &Robot, description: Option<&Descr
     let (kind, severity, text) = if nothing_explains(&residuals) {
         let text = format!(
             "no bodies on these joints explain the torques{changed}: more than half of the torque of most joints stays unexplained. The log may be that of \
-             another robot or of other joints, or its torques are not these joints'"
+             another robot or of other joints, or its torques are not these joints', as where motors drive several of them ([motors] coupling)"
         );
         (Kind::NothingExplains, Severity::Warning, text)
     } else {

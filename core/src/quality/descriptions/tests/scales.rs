@@ -30,7 +30,7 @@ fn a_unit_is_one_factor_of_all_joints_though_masses_are_wrong() {
     let verdict = judged(&scaled(&with_other_masses(&irb(), 3), [1000.0; 6])).unwrap();
     let [Some(factor)] = verdict.factors[..] else { panic!("{verdict:?}") };
     assert!((0.8..1.25).contains(&(factor / 1000.0)), "{factor}");
-    let said = findings(&verdict, &irb().joint_names());
+    let said = findings(&verdict, &irb().joint_names(), None);
     assert!(said.len() == 1 && said[0].text.contains("N mm"), "{said:?}");
 }
 
@@ -89,7 +89,7 @@ fn with_factors_known_to_two(factors: [f64; 6]) -> Verdict {
 #[test]
 fn shares_of_the_rated_torque_are_a_factor_for_each_joint() {
     let verdict = with_factors_known_to_two([0.1, 0.12, 0.3, 3.0, 3.5, 6.0]);
-    let said = findings(&verdict, &irb().joint_names());
+    let said = findings(&verdict, &irb().joint_names(), None);
     assert!(said.len() == 1 && said[0].text.contains("differs from joint to joint"), "{said:?}");
 }
 
@@ -171,7 +171,7 @@ fn a_factor_that_leaves_much_is_not_certain() {
     let mut verdict = judged(&scaled(&irb(), [1e-2; 6])).unwrap();
     assert!(!verdict.leaves_much(), "{}", verdict.after);
     verdict.after = 0.29;
-    let said = findings(&verdict, &irb().joint_names());
+    let said = findings(&verdict, &irb().joint_names(), None);
     assert!(verdict.leaves_much() && said[0].text.contains("nothing of this is certain"), "{said:?}");
 }
 
@@ -202,4 +202,31 @@ fn a_sign_besides_factors_of_two_torques_is_found() {
     let signs: Vec<f64> = verdict.description.torque_sign.clone();
     assert_eq!(signs, [1.0, 1.0, -1.0, 1.0, 1.0, 1.0], "{:?}", verdict.description.changes);
     assert!((verdict.description.torque_scale[1] / 50.0).ln().abs() < 0.2, "{:?}", verdict.description);
+}
+
+/// A log of controls, and a model with the gears of its motors.
+#[test]
+fn factors_that_are_the_gears_of_the_file_are_named_so() {
+    let with_gears = |gears: [f64; 6]| {
+        let mut robot = irb();
+        let names = robot.joint_names().into_iter().zip(gears).filter(|(_, gear)| *gear != 1.0);
+        robot.actuators =
+            names.map(|(joint, gear)| robot::Actuator { name: format!("motor_{joint}"), joint, gear }).collect();
+        robot
+    };
+    let of = |gears: [f64; 6], file: [f64; 6]| {
+        let log = scaled(&with_other_masses(&irb(), 3), gears.map(|gear| 1.0 / gear));
+        let mut found = examine_together(&[&log], Some(&with_gears(file))).unwrap().reports.remove(0).findings;
+        found.retain(|finding| finding.kind == Kind::TorqueUnit);
+        found.into_iter().map(|finding| finding.text).collect::<Vec<_>>().join("\n")
+    };
+    let gears = [100.0, 120.0, 80.0, 60.0, 50.0, 40.0];
+    let said = of(gears, gears);
+    assert!(said.contains("before the gears") && said.contains("gear_ratio = [100.0, 120.0, 80.0"), "{said}");
+    let said = of([100.0; 6], [100.0; 6]);
+    assert!(said.contains("before the gears") && !said.contains("amperes"), "{said}");
+    let alone = [1.0, 100.0, 1.0, 1.0, 1.0, 1.0];
+    assert!(of(alone, alone).contains("the gear of 100 which its motor has"), "{}", of(alone, alone));
+    // Other gears than the file's are no cause.
+    assert!(!of(gears, [10.0; 6]).contains("before the gears") && !of(alone, gears).contains("the gear of"));
 }

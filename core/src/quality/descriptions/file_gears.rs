@@ -1,0 +1,33 @@
+//! Factors of torques that are the gears which the robot's file gives its motors: the log holds forces or controls of the motors.
+
+use super::verdict::Verdict;
+use crate::robot::Robot;
+
+/// A factor is that of a gear to within this: constants and described bodies differ from those of files by as much.
+const LIKE: f64 = 2.0;
+
+/// A gear up to this has no factor that is reported.
+const HARDLY: f64 = 2.0;
+
+/// The gear of every joint of a robot in its file; 1 where it has none.
+pub(super) fn of_file(robot: &Robot) -> Vec<f64> {
+    let of = |name: &String| robot.actuators.iter().find(|motor| motor.joint == *name).map_or(1.0, |motor| motor.gear);
+    robot.joint_names().iter().map(of).collect()
+}
+
+/// Whether the factors of a verdict are those of the `gears`.
+pub(super) fn explain(verdict: &Verdict, gears: &[f64]) -> bool {
+    let scale = &verdict.description.torque_scale;
+    let known: Vec<Option<f64>> = match verdict.factors.len() {
+        // What stands for a factor that is not known is no factor.
+        count if count == scale.len() && count > 1 => {
+            verdict.factors.iter().map(|factor| factor.map(|factor| 1.0 / factor.abs())).collect()
+        }
+        _ => scale.iter().copied().map(Some).collect(),
+    };
+    let is_like = |(factor, gear): (&Option<f64>, &f64)| {
+        let (Some(factor), gear) = (*factor, gear.abs()) else { return true };
+        if factor == 1.0 { gear < HARDLY } else { gear >= HARDLY && factor < LIKE * gear && gear < LIKE * factor }
+    };
+    known.iter().flatten().any(|factor| *factor != 1.0) && known.iter().zip(gears).all(is_like)
+}

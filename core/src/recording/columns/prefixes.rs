@@ -60,8 +60,8 @@ fn is_alike(a: &str, b: &str) -> bool {
 fn shared(names: &[String]) -> &str {
     let Some((first, others)) = names.split_first().filter(|(_, others)| !others.is_empty()) else { return "" };
     let ends = first.match_indices(SEPARATORS).map(|(place, separator)| place + separator.len());
-    let prefixes = ends.map(|end| &first[..end]);
-    prefixes.filter(|prefix| others.iter().all(|other| other.starts_with(prefix))).last().unwrap_or("")
+    let mut prefixes = ends.map(|end| &first[..end]);
+    prefixes.rfind(|prefix| others.iter().all(|other| other.starts_with(prefix))).unwrap_or("")
 }
 
 /// The names of joints in columns of a quantity, each once.

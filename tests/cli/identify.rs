@@ -148,6 +148,7 @@ fn torques_that_are_cut_off_are_left_out_and_counted() {
         (found["without_effects"]["test_rms_nm"][0].as_f64().unwrap(), text(&output.stderr).to_owned())
     };
     let ((whole, _), (own, said)) = (held_out(&train), held_out("cut.csv"));
-    assert!(own < 1.1 * whole, "{own} {whole}");
+    // Half of the samples are cut off; taken as measurements they make the residual twice as large.
+    assert!(own < 1.5 * whole, "{own} {whole}");
     assert!(said.contains(&format!("tau1 (pivot): {cut_off} samples that are cut off at a limit")), "{said}");
 }

@@ -124,7 +124,11 @@ pub fn examine_together(logs: &[&Sieved], robot: Option<&Robot>) -> Result<Toget
     {
         let has_scale = verdict.as_ref().is_some_and(|verdict| !verdict.factors.is_empty());
         let description = verdict.as_ref().map(|verdict| &verdict.description);
-        let finding = (!has_scale).then(|| descriptions::of_another_robot(&all, robot, description)).flatten();
+        // Logs of one recorder of which some are in another unit by themselves are not compared with bodies together.
+        let positions = |report: &Report| report.units.positions.clone();
+        let in_one_unit = reports.windows(2).all(|pair| positions(&pair[0]) == positions(&pair[1]));
+        let is_asked = !has_scale && in_one_unit;
+        let finding = is_asked.then(|| descriptions::of_another_robot(&all, robot, description)).flatten();
         // What spoils motion or torque is a cause by itself.
         let spoils = |finding: &Finding| finding.severity > Severity::Note && SPOIL.contains(&finding.kind);
         for &log in with_torque.iter() {

@@ -18,6 +18,9 @@ use crate::robot::{JointKind, Robot};
 /// leave all that changes.
 const LIKE_FREE: f64 = 2.0;
 
+/// .. or this share of the torques, which free ones take up: nothing of a large change is left then.
+const LITTLE: f64 = 0.05;
+
 /// Constants of the drives are less than this share of the torques: a larger one takes off the weight of the bodies, which torques of
 /// another scale, or without gravity, do not have.
 const CONSTANT: f64 = 0.5;
@@ -48,7 +51,8 @@ fn explain_in_degrees(robot: &Robot, bodies: &Physics, mut rows: Rows) -> Option
     let factors: Vec<f64> = (0..robot.dof()).map(unit).collect();
     rows.motion = scaled_motion(&rows.motion, &factors);
     let after = under(bodies, &rows)?;
-    if after.share() >= WRONG_MASSES || after.share() > LIKE_FREE * under(&Physics::free(robot), &rows)?.share() {
+    let free = under(&Physics::free(robot), &rows)?.share();
+    if after.share() >= WRONG_MASSES || after.share() > LITTLE.max(LIKE_FREE * free) {
         return Some(false);
     }
     let gain = compare(&before.evaluation, &after.evaluation, &rows.log)?;

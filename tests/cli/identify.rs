@@ -145,7 +145,7 @@ fn torques_that_are_cut_off_are_left_out_and_counted() {
         let output = case.tauscope(&["identify", "--robot", &robot, "--train", train, "--test", &test, "--out", "out"]);
         assert_done(&output);
         let found: Value = serde_json::from_str(&case.read("out/identification.json")).unwrap();
-        (found["without_effects"]["test_rms_nm"][0].as_f64().unwrap(), text(&output.stderr).to_owned())
+        (found["without_effects"]["test_rms_nm"][0].as_f64().unwrap(), text(&output.stdout).to_owned())
     };
     let ((whole, _), (own, said)) = (held_out(&train), held_out("cut.csv"));
     // Half of the samples are cut off; taken as measurements they make the residual twice as large.

@@ -31,3 +31,39 @@ pub(super) fn explain(verdict: &Verdict, gears: &[f64]) -> bool {
     };
     known.iter().flatten().any(|factor| *factor != 1.0) && known.iter().zip(gears).all(is_like)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::quality::descriptions::{Change, Description};
+
+    fn verdict(change: Change, factors: Vec<Option<f64>>) -> Verdict {
+        Verdict {
+            description: Description::as_given(3, [0.0, 0.0, -9.81].into()).with(change),
+            before: 9.0,
+            after: 0.01,
+            each: [Vec::new(), Vec::new()],
+            alternatives: Vec::new(),
+            next: None,
+            shown: None,
+            factors,
+            factor_bounds: Vec::new(),
+            by_bodies: false,
+            spread: None,
+            assumed: Vec::new(),
+            unlike_bodies: false,
+            without_bodies: false,
+            beyond_doubt: false,
+        }
+    }
+
+    #[test]
+    fn factors_are_gears_where_each_is_like_its_own() {
+        let alone = verdict(Change::JointScale(1, 99.0), Vec::new());
+        assert!(explain(&alone, &[1.0, 100.0, 1.0]) && explain(&alone, &[1.0, -100.0, 1.0]));
+        // Another gear, and gears of torques without a factor.
+        assert!(!explain(&alone, &[1.0, 40.0, 1.0]) && !explain(&alone, &[100.0; 3]) && !explain(&alone, &[1.0; 3]));
+        let each = verdict(Change::TorqueScale(100.0), vec![Some(0.01), Some(1.0 / 60.0), None]);
+        assert!(explain(&each, &[100.0, 50.0, 7.0]) && !explain(&each, &[100.0, 20.0, 7.0]));
+    }
+}

@@ -173,9 +173,11 @@ mod tests {
         }
         assert!(!is_found("robot0/knee/position,robot0/elbow/position", robot));
         // Two arms of the file.
-        let two = "a/shoulder/position,a/elbow/position,b/shoulder/position,b/elbow/position";
-        assert!(!is_found(two, robot) && of_columns(two, robot, POSITION).unwrap().contains("behind a/ and b/ alike"));
-        assert!(!is_found("a/shoulder/position,b/elbow/position", robot));
+        let two = "robot0/shoulder/position,robot0/elbow/position,robot1/shoulder/position,robot1/elbow/position";
+        assert!(
+            !is_found(two, robot) && of_columns(two, robot, POSITION).unwrap().contains("robot0/ and robot1/ alike")
+        );
+        assert!(!is_found("robot0/shoulder/position,robot1/elbow/position", robot));
     }
 
     #[test]

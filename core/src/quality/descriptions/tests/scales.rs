@@ -203,30 +203,3 @@ fn a_sign_besides_factors_of_two_torques_is_found() {
     assert_eq!(signs, [1.0, 1.0, -1.0, 1.0, 1.0, 1.0], "{:?}", verdict.description.changes);
     assert!((verdict.description.torque_scale[1] / 50.0).ln().abs() < 0.2, "{:?}", verdict.description);
 }
-
-/// A log of controls, and a model with the gears of its motors.
-#[test]
-fn factors_that_are_the_gears_of_the_file_are_named_so() {
-    let with_gears = |gears: [f64; 6]| {
-        let mut robot = irb();
-        let names = robot.joint_names().into_iter().zip(gears).filter(|(_, gear)| *gear != 1.0);
-        robot.actuators =
-            names.map(|(joint, gear)| robot::Actuator { name: format!("motor_{joint}"), joint, gear }).collect();
-        robot
-    };
-    let of = |gears: [f64; 6], file: [f64; 6]| {
-        let log = scaled(&with_other_masses(&irb(), 3), gears.map(|gear| 1.0 / gear));
-        let mut found = examine_together(&[&log], Some(&with_gears(file))).unwrap().reports.remove(0).findings;
-        found.retain(|finding| finding.kind == Kind::TorqueUnit);
-        found.into_iter().map(|finding| finding.text).collect::<Vec<_>>().join("\n")
-    };
-    let gears = [100.0, 120.0, 80.0, 60.0, 50.0, 40.0];
-    let said = of(gears, gears);
-    assert!(said.contains("before the gears") && said.contains("gear_ratio = [100.0, 120.0, 80.0"), "{said}");
-    let said = of([100.0; 6], [100.0; 6]);
-    assert!(said.contains("before the gears") && !said.contains("amperes"), "{said}");
-    let alone = [1.0, 100.0, 1.0, 1.0, 1.0, 1.0];
-    assert!(of(alone, alone).contains("the gear of 100 which its motor has"), "{}", of(alone, alone));
-    // Other gears than the file's are no cause.
-    assert!(!of(gears, [10.0; 6]).contains("before the gears") && !of(alone, gears).contains("the gear of"));
-}

@@ -122,3 +122,33 @@ fn effects_are_estimated_as_diagnose_estimates_them() {
     assert_eq!(again.status.code(), Some(2));
     assert!(text(&again.stderr).contains("train.csv: has the samples of "), "{}", text(&again.stderr));
 }
+
+/// Samples at a limit of the drive are no measurements.
+#[test]
+fn torques_that_are_cut_off_are_left_out_and_counted() {
+    let case = Case::new(&[]);
+    let of = |file: &str| format!("{ROOT}/tests/reference/pendulum{file}");
+    let limit = 5.0;
+    let log = std::fs::read_to_string(of("/train.csv")).unwrap();
+    let mut cut_off = 0;
+    let mut lines = log.lines();
+    let mut text_of_log = format!("{}\n", lines.next().unwrap());
+    for line in lines {
+        let (motion, torque) = line.rsplit_once(',').unwrap();
+        let torque: f64 = torque.parse().unwrap();
+        cut_off += usize::from(torque.abs() >= limit);
+        text_of_log += &format!("{motion},{}\n", torque.clamp(-limit, limit));
+    }
+    case.write("cut.csv", &text_of_log);
+    let (robot, train, test) = (of(".urdf"), of("/train.csv"), of("/test.csv"));
+    let held_out = |train: &str| {
+        let output = case.tauscope(&["identify", "--robot", &robot, "--train", train, "--test", &test, "--out", "out"]);
+        assert_done(&output);
+        let found: Value = serde_json::from_str(&case.read("out/identification.json")).unwrap();
+        (found["without_effects"]["test_rms_nm"][0].as_f64().unwrap(), text(&output.stdout).to_owned())
+    };
+    let ((whole, _), (own, said)) = (held_out(&train), held_out("cut.csv"));
+    // Half of the samples are cut off; taken as measurements they make the residual twice as large.
+    assert!(own < 1.5 * whole, "{own} {whole}");
+    assert!(said.contains(&format!("tau1 (pivot): {cut_off} samples that are cut off at a limit")), "{said}");
+}

@@ -6,7 +6,7 @@ use crate::quality;
 use crate::quality::UnitChanges;
 use crate::quality::descriptions::Description;
 use crate::recording::lenient::Sieved;
-use crate::recording::{Once, Recording, resample};
+use crate::recording::{Once, Recording};
 use crate::robot::Robot;
 use std::path::{Path, PathBuf};
 
@@ -88,16 +88,24 @@ pub fn ready([train, test]: [Vec<(PathBuf, Sieved)>; 2], robot: &Robot) -> Resul
         let told = quality::standing_together(&report.findings);
         let noted = told.iter().filter(|finding| {
             let changes_the_fit = matches!(finding.kind, quality::Kind::ModelTorque | quality::Kind::MotorOff);
-            finding.severity == quality::Severity::Warning || changes_the_fit
+            // What is cut off is counted below.
+            let is_counted = finding.kind == quality::Kind::Clipped;
+            (finding.severity == quality::Severity::Warning && !is_counted) || changes_the_fit
         });
         findings
             .extend(noted.map(|finding| (path.display().to_string(), format!("{}: {}", finding.place, finding.text))));
         unsigned.iter().for_each(|&joint| sieved.recording.tau.channel_mut(joint).fill(f64::NAN));
-        quality::leave_out_unmeasured(&mut sieved.recording)?;
-        let mut pieces = resample::pieces(sieved.recording);
+        let quality::Usable { mut pieces, clipped } = quality::usable(sieved.recording)?;
         if pieces.is_empty() {
             return Err(Error::input(path, None, "t", "the clock is so full of gaps that no piece of the log is left"));
         }
+        let cut_off = clipped.iter().enumerate().filter(|(_, count)| **count > 0).map(|(joint, count)| {
+            let place = format!("tau{} ({})", joint + 1, robot.joints[joint].name);
+            let text =
+                format!("{place}: {count} samples that are cut off at a limit, and those next to them, are left out");
+            format!("{}: {text}", path.display())
+        });
+        logs.notes.extend(cut_off);
         once.take(path.display().to_string(), &pieces)?;
         if let Some(description) = &logs.correction {
             pieces.iter_mut().for_each(|piece| description.apply(piece));
@@ -107,8 +115,11 @@ pub fn ready([train, test]: [Vec<(PathBuf, Sieved)>; 2], robot: &Robot) -> Resul
     let findings = quality::with_logs(findings);
     logs.notes.extend(findings.into_iter().map(|(paths, finding)| format!("{}: {finding}", paths.join(", "))));
     if logs.torque_is_scaled {
-        let text = "the torques are not in N m (N) at the joints, so that residuals, friction and inertias are in the unit of the log: give [units] torque and [motors] in a dataset";
-        logs.notes.push(text.to_owned());
+        let coupled = if robot.dof() > 1 { ", or motors drive several joints (coupling)" } else { "" };
+        logs.notes.push(format!(
+            "the torques are not as large as those of the joints: they may be in another unit, or those of motors behind gears{coupled}. Residuals, \
+             friction and inertias are in the unit of the log: give [units] torque or [motors] in a dataset"
+        ));
     }
     if !unsigned.is_empty() {
         let names: Vec<&str> = unsigned.iter().map(|&joint| robot.joints[joint].name.as_str()).collect();

@@ -10,7 +10,7 @@ use crate::recording::{self, Recording};
 use crate::robot::Robot;
 
 /// All kinds; the law below knows no way round the compiler for a new one.
-const ALL: [Kind; 43] = [
+const ALL: [Kind; 44] = [
     Kind::TooShort,
     Kind::CutOff,
     Kind::BadRows,
@@ -51,6 +51,7 @@ const ALL: [Kind; 43] = [
     Kind::TorqueSpike,
     Kind::HeldPosition,
     Kind::OtherRobot,
+    Kind::NothingExplains,
     Kind::PositionJump,
     Kind::LostRows,
     Kind::JointName,
@@ -214,6 +215,10 @@ fn fault(kind: Kind) -> (Fault, &'static str) {
         Kind::Mounting => (Signals(|log| with_gravity(log, [9.81, 0.0, 0.0])), "gravity"),
         Kind::HeldPosition => (Signals(|log| with_gravity(log, [6.9, 0.0, -6.9])), "torso"),
         Kind::OtherRobot => (Signals(of_another_robot), "robot"),
+        // Torques of another time.
+        Kind::NothingExplains => {
+            (Signals(|log| (0..6).for_each(|joint| log.tau.channel_mut(joint).reverse())), "robot")
+        }
         Kind::PositionJump => {
             (Signals(|log| log.q.channel_mut(2)[1500..].iter_mut().for_each(|q| *q += 0.1)), "q3 (joint_3) at 5.9960 s")
         }

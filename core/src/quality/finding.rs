@@ -91,6 +91,7 @@ pub enum Kind {
     TorqueSpike,
     HeldPosition,
     OtherRobot,
+    NothingExplains,
     PositionJump,
     LostRows,
     JointName,

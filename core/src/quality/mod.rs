@@ -22,7 +22,7 @@ mod velocity;
 mod view;
 
 pub use channels::clipping;
-pub(crate) use channels::leave_out_unmeasured;
+pub(crate) use channels::{Usable, usable};
 pub use examination::{examine, examine_together, inspect};
 pub use finding::{Finding, Kind, Severity, standing_together, with_logs};
 pub use motion::{Constant, JointSummary, OtherUnit};

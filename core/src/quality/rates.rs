@@ -22,7 +22,7 @@ const SAME: f64 = 0.1;
 const WITHIN: f64 = 1.05;
 
 /// Units of the positions and velocities of a log at even steps. Positions that are far beyond their limits show their unit by themselves,
-/// turns show it in the torques.
+/// turns, and degrees of a small motion, show it in the torques.
 ///
 /// # Errors
 /// Those of the filters.
@@ -37,9 +37,9 @@ pub(super) fn found(log: &Recording, positions: &PositionUnits, robot: Option<&R
         .for_each(|(_, unit)| *unit = None);
     units = units.or_none();
     if let Some(robot) = robot.filter(|_| units.is_none() && !positions.any())
-        && descriptions::are_turns(log, robot)?
+        && let Some(of_turning) = by_torques(log, robot)?
     {
-        let unit = |joint: &Joint| (joint.kind == JointKind::Revolute).then_some(OtherUnit::Turn);
+        let unit = |joint: &Joint| (joint.kind == JointKind::Revolute).then_some(of_turning);
         units.positions = robot.joints.iter().map(unit).collect();
         if log.qd.is_some() {
             units.velocities = units.positions.iter().map(|unit| unit.map(OtherRate::PerSecond)).collect();
@@ -49,6 +49,14 @@ pub(super) fn found(log: &Recording, positions: &PositionUnits, robot: Option<&R
         }
     }
     Ok(units.or_none())
+}
+
+/// The unit of the positions of joints that turn, where the torques show that they are not in rad though they may be.
+fn by_torques(log: &Recording, robot: &Robot) -> Result<Option<OtherUnit>> {
+    if descriptions::are_turns(log, robot)? {
+        return Ok(Some(OtherUnit::Turn));
+    }
+    Ok(descriptions::are_degrees(log, robot)?.then_some(OtherUnit::Degree))
 }
 
 /// The gears before which all joints that turn are logged, where none of them is in rad.

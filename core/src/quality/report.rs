@@ -55,7 +55,8 @@ pub struct Report {
 impl Report {
     /// Whether the log may be that of another robot: no changed description is one of it then.
     pub fn is_of_another_robot(&self) -> bool {
-        self.findings.iter().any(|finding| finding.kind == Kind::OtherRobot && finding.severity > Severity::Note)
+        let denies = |kind: Kind| matches!(kind, Kind::OtherRobot | Kind::NothingExplains);
+        self.findings.iter().any(|finding| denies(finding.kind) && finding.severity > Severity::Note)
     }
 
     /// The first reason why the log cannot be used.

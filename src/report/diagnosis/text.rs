@@ -29,7 +29,7 @@ pub(crate) fn lines(
     resimulation: Option<&Resimulation>,
     faults: &[DataFault],
 ) -> String {
-    let mut lines = vec![headline(diagnosis)];
+    let mut lines = vec![headline(diagnosis, faults)];
     lines.extend(robot.notes.iter().map(|note| format!("Note: {note}.")));
     lines.extend(fault_lines(faults));
     if diagnosis.logs.held_out_from_training {
@@ -133,7 +133,7 @@ fn none(diagnosis: &Diagnosis) -> String {
     }
 }
 
-fn headline(diagnosis: &Diagnosis) -> String {
+fn headline(diagnosis: &Diagnosis, faults: &[DataFault]) -> String {
     let changed = diagnosis.scope.against_reference;
     let none = none(diagnosis);
     let unexplained =
@@ -152,7 +152,10 @@ fn headline(diagnosis: &Diagnosis) -> String {
         Verdict::None => "nothing beyond the noise: the re-identified model explains the logs",
         Verdict::NotTestable => "the logs cannot be diagnosed",
     };
-    format!("Verdict: {answer} (family-wise error rate: {}).", percent_of(diagnosis.scope.alpha))
+    let doubts = faults.iter().any(|fault| fault.consequence == Consequence::Doubts);
+    let doubt =
+        if doubts { "the logs may not be those of this robot (see the doubt below); if they are, " } else { "" };
+    format!("Verdict: {doubt}{answer} (family-wise error rate: {}).", percent_of(diagnosis.scope.alpha))
 }
 
 /// Whether each finding is a constant torque, or may be one.
@@ -174,6 +177,7 @@ fn fault_lines(faults: &[DataFault]) -> Vec<String> {
         .map(|(logs, (consequence, place, text))| {
             let what = match consequence {
                 Consequence::Stops => "Fault of the data",
+                Consequence::Doubts => "Doubt",
                 Consequence::LeftOut => "Left out",
                 Consequence::Noted => "Note",
                 Consequence::Corrected => "Corrected",

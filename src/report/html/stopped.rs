@@ -33,6 +33,7 @@ fn faulty(faults: &[DataFault]) -> Section {
     let rows = with_logs(each).into_iter().map(|(logs, (consequence, place, text))| {
         let consequence = match consequence {
             Consequence::Stops => "stops the diagnosis",
+            Consequence::Doubts => "puts the answer in doubt",
             Consequence::LeftOut => "left out",
             Consequence::Noted => "worth knowing",
             Consequence::Corrected => "corrected",

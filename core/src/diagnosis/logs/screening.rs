@@ -7,12 +7,9 @@
 use crate::error::{Error, Result};
 use crate::quality::descriptions::{self, Verdict};
 use crate::quality::{self, Kind, Severity, UnitChanges};
+use crate::recording::Recording;
 use crate::recording::lenient::Sieved;
-use crate::recording::{Recording, resample};
 use crate::robot::Robot;
-
-/// Time on either side of a clipped sample that is left out with it, s: noise hides there how much was cut off.
-const AROUND_CLIPPED_S: f64 = 0.04;
 
 /// What a fault does to the diagnosis.
 ///
@@ -42,6 +39,8 @@ pub enum Consequence {
     Stops,
     /// The samples at fault are left out or bridged.
     LeftOut,
+    /// What is named holds only if the logs are of this robot, which is not sure.
+    Doubts,
     /// A note; it does not change what the diagnosis uses.
     #[serde(rename = "told")]
     Noted,
@@ -170,18 +169,9 @@ fn ready(name: String, sieved: Sieved, report: quality::Report) -> Result<Screen
             Some(DataFault { kind, log: name.clone(), place, text, consequence })
         })
         .collect();
-    let mut sieved = sieved;
-    quality::leave_out_unmeasured(&mut sieved.recording)?;
-    let levels: Vec<Vec<f64>> = sieved.recording.tau.iter().map(clipping_levels).collect();
-    let mut pieces = resample::pieces(sieved.recording);
+    let quality::Usable { pieces, .. } = quality::usable(sieved.recording)?;
     if pieces.is_empty() {
         return Err(Error::request(name, "the clock is so full of gaps that no piece of the log is left"));
-    }
-    for piece in &mut pieces {
-        let around = (AROUND_CLIPPED_S * piece.rate_hz()).round() as usize;
-        for (joint, levels) in levels.iter().enumerate() {
-            leave_out(piece.tau.channel_mut(joint), levels, around);
-        }
     }
     Ok(Screened { name, pieces, faults, verdict: report.description })
 }
@@ -226,7 +216,7 @@ pub(crate) fn all_faults(
         faults.filter(|fault| !all.iter().any(|stop| stop.place == fault.place && stop.log == fault.log)).collect();
     all.extend(others);
     confirm(&mut all, train.len() + test.len() + reference.len());
-    all.sort_by_key(|fault| fault.consequence != Consequence::Stops);
+    all.sort_by_key(|fault| (fault.consequence != Consequence::Stops, fault.consequence != Consequence::Doubts));
     all
 }
 
@@ -258,28 +248,6 @@ pub(crate) fn still_joints(logs: &[Screened], robot: &Robot) -> Vec<(usize, Data
         .collect()
 }
 
-/// Levels at which a torque is cut off, on both sides where both extremes are the same size.
-fn clipping_levels(tau: &[f64]) -> Vec<f64> {
-    let mut levels: Vec<f64> = quality::clipping(tau).into_iter().map(|(level, ..)| level).collect();
-    if let [level] = levels[..]
-        && tau.contains(&-level)
-    {
-        levels.push(-level);
-    }
-    levels
-}
-
-/// Torques at a level, and samples around them, become not a number.
-fn leave_out(tau: &mut [f64], levels: &[f64], around: usize) {
-    let at: Vec<usize> = (0..tau.len())
-        .filter(|&k| levels.iter().any(|level| (tau[k] - level) * level.signum() >= -1e-9 * level.abs()))
-        .collect();
-    for k in at {
-        let end = (k + around + 1).min(tau.len());
-        tau[k.saturating_sub(around)..end].fill(f64::NAN);
-    }
-}
-
 /// What a fault means to a diagnosis, which takes positions, torques and the clock; None for what is no fault.
 fn consequence(kind: Kind, severity: Severity) -> Option<Consequence> {
     if descriptions::is_description(kind) && severity == Severity::Note {
@@ -288,7 +256,9 @@ fn consequence(kind: Kind, severity: Severity) -> Option<Consequence> {
     match kind {
         // Rows that show by themselves which source they are of are left out.
         Kind::TwoSources if severity == Severity::Warning => Some(Consequence::LeftOut),
+        Kind::OtherRobot if severity > Severity::Note => Some(Consequence::Doubts),
         Kind::Swapped
+        | Kind::NothingExplains
         | Kind::PositionUnit
         | Kind::TorqueUnit
         | Kind::TorqueSign
@@ -337,18 +307,6 @@ mod tests {
     use super::*;
 
     #[test]
-    fn clipped_samples_and_their_neighbours_are_left_out() {
-        let mut tau: Vec<f64> = (0..400).map(|k| (5.0 * (0.05 * f64::from(k)).sin()).clamp(-3.0, 9.0)).collect();
-        let levels = clipping_levels(&tau);
-        assert_eq!(levels, [-3.0]);
-        leave_out(&mut tau, &levels, 2);
-        let first = tau.iter().position(|v| v.is_nan()).unwrap();
-        let at = |k: usize| 5.0 * (0.05 * k as f64).sin();
-        assert!(at(first + 1) > -3.0 && at(first + 2) <= -3.0);
-        assert!(tau.iter().filter(|v| !v.is_nan()).all(|v| *v > -3.0));
-    }
-
-    #[test]
     fn a_sign_that_one_log_of_three_shows_is_only_noted() {
         let fault = |log: &str, kind: Kind| DataFault {
             kind,
@@ -370,5 +328,13 @@ mod tests {
         assert_eq!(consequence(Kind::Swapped, Severity::Warning), Some(Consequence::Stops));
         assert_eq!(consequence(Kind::Gap, Severity::Note), Some(Consequence::LeftOut));
         assert_eq!(consequence(Kind::PoorExcitation, Severity::Note), None);
+    }
+
+    #[test]
+    fn another_robot_stops_or_puts_in_doubt() {
+        assert_eq!(consequence(Kind::NothingExplains, Severity::Warning), Some(Consequence::Stops));
+        assert_eq!(consequence(Kind::OtherRobot, Severity::Warning), Some(Consequence::Doubts));
+        // Masses that are wrong are likelier then.
+        assert_eq!(consequence(Kind::OtherRobot, Severity::Note), Some(Consequence::Noted));
     }
 }

@@ -60,8 +60,8 @@ pub(super) fn clipped(view: &View, joint: usize, tau: &[f64]) -> Option<Finding>
     };
     let (level, count, first) = clipping(tau).into_iter().filter(is_cut_off).max_by_key(|(_, count, _)| *count)?;
     let text = format!(
-        "{count} samples ({:.1} %) stand at {level}: the drive or its log is at a limit there; leave these samples out or \
-         use a slower motion",
+        "{count} samples ({:.1} %) stand at {level}: the drive or its log is at a limit there; `identify` and `diagnose` \
+         leave these samples out, and a slower motion has none",
         100.0 * count as f64 / tau.len() as f64
     );
     let place = format!("{} from {:.4} s", view.place("tau", joint), view.log.time[first]);

@@ -14,6 +14,7 @@ mod digits;
 mod frozen;
 mod jumps;
 mod motor_off;
+mod usable;
 
 use clipped::clipped;
 pub use clipped::clipping;
@@ -22,6 +23,7 @@ pub(super) use digits::{extremes, resolution, runs};
 pub(super) use frozen::{rows as frozen_rows, with_frozen_position};
 pub(super) use jumps::Jumps;
 use motor_off::{motor_off, off};
+pub(crate) use usable::{Usable, usable};
 
 /// No joint is faster, rad/s: a sample that is left and reached faster is a spike.
 const FASTEST: f64 = 50.0;
@@ -44,7 +46,7 @@ const LEAST_ROWS: usize = 50;
 ///
 /// # Errors
 /// Those of the filters: the log is too short.
-pub(crate) fn leave_out_unmeasured(recording: &mut Recording) -> Result<()> {
+pub(super) fn leave_out_unmeasured(recording: &mut Recording) -> Result<()> {
     let mut known = recording.clone();
     let without: Vec<usize> = (0..known.joints()).filter(|&joint| !known.has_torque(joint)).collect();
     without.into_iter().for_each(|joint| known.tau.channel_mut(joint).fill(0.0));

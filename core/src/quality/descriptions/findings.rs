@@ -2,8 +2,10 @@
 
 use super::change::Change;
 use super::compare::DISTINCT;
+use super::file_gears;
 use super::verdict::{Alternative, Shown, Spread, Verdict};
 use crate::quality::finding::{Finding, Kind, Severity};
+use crate::robot::Robot;
 use nalgebra::Vector3;
 
 /// Alternatives that are named; more mean only that the logs do not decide.
@@ -20,6 +22,13 @@ const SMALL: f64 = 0.1;
 
 /// What the factor of one torque comes from.
 const FACTOR_OF_ONE: &str = "its gear, torque constant or unit is another: [motors] gear_ratio, torque_constant_nm_a";
+
+/// .. and where there are other joints too, which its motor may drive.
+const OR_COUPLED: &str =
+    "; or motors drive several joints, as by a parallelogram or a wrist's gears: [motors] coupling";
+
+/// How a dataset gives torques before gears.
+const BEFORE_GEARS: &str = "[motors] torque_at = \"motor\", gear_ratio";
 
 /// Said where the described bodies do not explain the torques of a changed motion.
 const ANOTHER: &str = "the URDF's bodies do not explain the torques with it: is the log that of another robot?";
@@ -152,7 +161,7 @@ fn origin(factor: f64, verdict: &Verdict, joints: &[String]) -> String {
         let each = each.collect::<Vec<_>>().join(", ");
         return format!(
             "the factor differs from joint to joint ({each}{load}): currents, percent, or the motor side of the gears; give \
-             [units] torque, [motors] gear_ratio and torque_constant_nm_a in a dataset. A clock that runs wrong changes the torques of inertia \
+             [units] torque, [motors] gear_ratio and torque_constant_nm_a in a dataset{OR_COUPLED}. A clock that runs wrong changes the torques of inertia \
              so too: a log without velocities may not show it otherwise. So does the log of another robot"
         );
     }
@@ -175,6 +184,15 @@ fn origin(factor: f64, verdict: &Verdict, joints: &[String]) -> String {
             )
         }
     }
+}
+
+/// Torques before the gears of the robot's file.
+fn before_gears(gears: &[f64], joints: &[String]) -> String {
+    let each = joints.iter().zip(gears).map(|(joint, gear)| format!("{joint} {gear}")).collect::<Vec<_>>().join(", ");
+    format!(
+        "the torques are those before the gears which the motors have in the robot's file ({each}): each is too small by about its gear, as the \
+         controls and forces of MuJoCo's motors are; {BEFORE_GEARS} = {gears:?} in a dataset"
+    )
 }
 
 /// What shows a change that the residuals do not show.
@@ -230,8 +248,10 @@ pub(super) fn apart(one: f64, other: f64) -> [String; 2] {
     (0..DIGITS).map(with).find(|[one, other]| one != other).unwrap_or_else(|| with(DIGITS))
 }
 
-/// The findings of a verdict: one per change, at its column, with the held-out residual under it and under its alternatives.
-pub(crate) fn findings(verdict: &Verdict, joints: &[String]) -> Vec<Finding> {
+/// The findings of a verdict: one per change, at its column, with the held-out residual under it and under its alternatives. Gears are those
+/// of the file of `robot`.
+pub(crate) fn findings(verdict: &Verdict, joints: &[String], robot: Option<&Robot>) -> Vec<Finding> {
+    let gears = robot.map(file_gears::of_file).filter(|gears| file_gears::explain(verdict, gears));
     let changes = &verdict.description.changes;
     let percent = |share: f64| format!("{:.0} %", 100.0 * share);
     let named = |alternative: &Alternative| {
@@ -272,6 +292,14 @@ pub(crate) fn findings(verdict: &Verdict, joints: &[String]) -> Vec<Finding> {
                 false => format!(" (together with: {})", all_words(&others, joints)),
             };
             let own = match change {
+                Change::JointScale(joint, _) if gears.is_some() => {
+                    let gear = gears.as_ref().map_or(1.0, |gears| gears[joint]);
+                    format!(
+                        "{own} (that is the gear of {gear} which its motor has in the robot's file: the log has the motor's torque or \
+                         control; {BEFORE_GEARS} in a dataset)"
+                    )
+                }
+                Change::JointScale(..) if joints.len() > 1 => format!("{own} ({FACTOR_OF_ONE}{OR_COUPLED})"),
                 Change::JointScale(..) => format!("{own} ({FACTOR_OF_ONE})"),
                 _ => own,
             };
@@ -282,7 +310,10 @@ pub(crate) fn findings(verdict: &Verdict, joints: &[String]) -> Vec<Finding> {
                         0 | 1 => own + &shared.map_or(String::new(), scale_between),
                         _ => "the torques are not as large as the URDF's bodies need".into(),
                     };
-                    format!("{own}: {}; {gain}", origin(factor, verdict, joints))
+                    match &gears {
+                        Some(gears) => format!("{}; {gain}", before_gears(gears, joints)),
+                        None => format!("{own}: {}; {gain}", origin(factor, verdict, joints)),
+                    }
                 }
                 (_, true) => format!("{own}{also}: {gain}{next}"),
                 (_, false) => format!(

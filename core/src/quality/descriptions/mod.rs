@@ -18,12 +18,14 @@
 //! | whether the clock is wrong, or positions are in another unit | `motion_units` |
 //! | the judgement of all of these | `judgement` |
 //! | its content | `verdict` |
+//! | whether factors are the gears of the robot's file | `file_gears` |
 //! | texts | `findings` |
 
 mod bodies;
 mod change;
 mod compare;
 mod contradiction;
+mod file_gears;
 mod findings;
 mod fitting;
 mod judgement;
@@ -47,8 +49,8 @@ pub use findings::{is_description, words};
 pub(super) use judgement::{Judged, is_modelled, judge};
 pub(super) use lost_signs::{is_explained_with_signs, without_sign};
 pub(super) use motion_units::{
-    ClockFactor, are_radians, are_turns, clock_factor, clock_text, gear_ratio, in_si_units, torques_deny_clock,
-    unsure_clock_text,
+    ClockFactor, are_degrees, are_radians, are_turns, clock_factor, clock_text, gear_ratio, in_si_units,
+    torques_deny_clock, unsure_clock_text,
 };
 pub use verdict::{Alternative, Shown, Spread, Verdict};
 

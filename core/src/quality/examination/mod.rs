@@ -97,7 +97,7 @@ pub fn examine_together(logs: &[&Sieved], robot: Option<&Robot>) -> Result<Toget
             if !own.description.changes.iter().all(|change| change.keeps_each_torque()) {
                 reports[log].findings.retain(|finding| finding.kind != Kind::DeadTime);
             }
-            reports[log].findings.extend(descriptions::findings(&own, &view.log.joints));
+            reports[log].findings.extend(descriptions::findings(&own, &view.log.joints, robot));
             reports[log].description = Some(own);
             reports[log].findings.sort_by_key(|finding| std::cmp::Reverse(finding.severity));
         }
@@ -121,7 +121,11 @@ pub fn examine_together(logs: &[&Sieved], robot: Option<&Robot>) -> Result<Toget
     {
         let has_scale = verdict.as_ref().is_some_and(|verdict| !verdict.factors.is_empty());
         let description = verdict.as_ref().map(|verdict| &verdict.description);
-        let finding = (!has_scale).then(|| descriptions::of_another_robot(&all, robot, description)).flatten();
+        // Logs of one recorder of which some are in another unit by themselves are not compared with bodies together.
+        let positions = |report: &Report| report.units.positions.clone();
+        let in_one_unit = reports.windows(2).all(|pair| positions(&pair[0]) == positions(&pair[1]));
+        let is_asked = !has_scale && in_one_unit;
+        let finding = is_asked.then(|| descriptions::of_another_robot(&all, robot, description)).flatten();
         // What spoils motion or torque is a cause by itself.
         let spoils = |finding: &Finding| finding.severity > Severity::Note && SPOIL.contains(&finding.kind);
         for &log in with_torque.iter() {
@@ -136,7 +140,9 @@ pub fn examine_together(logs: &[&Sieved], robot: Option<&Robot>) -> Result<Toget
                 .iter_mut()
                 .filter(|finding| denied && descriptions::is_description(finding.kind))
                 .for_each(|finding| finding.severity = Severity::Note);
-            reports[log].findings = finding.clone().into_iter().chain(known).collect();
+            // No change that was tried makes the described bodies fit.
+            let nothing = |own: Finding| if denied { Finding { kind: Kind::NothingExplains, ..own } } else { own };
+            reports[log].findings = finding.clone().map(nothing).into_iter().chain(known).collect();
             reports[log].findings.sort_by_key(|finding| std::cmp::Reverse(finding.severity));
         }
     }

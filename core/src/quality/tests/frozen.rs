@@ -1,7 +1,7 @@
 //! Positions that stand for seconds while the arm moves on.
 
 use super::*;
-use crate::quality::leave_out_unmeasured;
+use crate::quality::channels::leave_out_unmeasured;
 
 /// The log of a joint whose position stands for two seconds from where it is fast, until it comes by that position again at speed: no step
 /// makes up for it. Velocities are as logged, `zero` meanwhile or missing.

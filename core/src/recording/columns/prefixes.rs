@@ -1,4 +1,5 @@
-//! Joints that the file calls by the robot's names behind a prefix, or the robot by the file's: `left_arm/elbow` for `elbow`.
+//! Joints that the file calls by the robot's names behind a prefix, or the robot by the file's: `left_arm/elbow` for `elbow`. Or each calls them
+//! behind one of its own: `robot0/elbow` for `left_elbow`. What separates words does not matter.
 
 use super::names::{Joint, Meaning, QUANTITIES};
 use std::collections::BTreeMap;
@@ -43,9 +44,24 @@ pub(super) fn several(meanings: &[Vec<Meaning>], names: &[String], quantity: usi
     ))
 }
 
-/// What stands before a short name in a long one, up to a separator.
+/// What stands before a short name in a long one, up to a separator; words may be separated otherwise.
 fn before<'a>(long: &'a str, short: &str) -> Option<&'a str> {
-    long.strip_suffix(short).filter(|prefix| prefix.ends_with(SEPARATORS))
+    let (prefix, own) = long.split_at_checked(long.len().checked_sub(short.len())?)?;
+    (prefix.ends_with(SEPARATORS) && is_alike(own, short)).then_some(prefix)
+}
+
+/// Whether two names differ at most in what separates their words.
+fn is_alike(a: &str, b: &str) -> bool {
+    let plain = |letter: char| if SEPARATORS.contains(&letter) { SEPARATORS[0] } else { letter };
+    a.chars().map(plain).eq(b.chars().map(plain))
+}
+
+/// What all names share up to a separator; nothing of a single one.
+fn shared(names: &[String]) -> &str {
+    let Some((first, others)) = names.split_first().filter(|(_, others)| !others.is_empty()) else { return "" };
+    let ends = first.match_indices(SEPARATORS).map(|(place, separator)| place + separator.len());
+    let mut prefixes = ends.map(|end| &first[..end]);
+    prefixes.rfind(|prefix| others.iter().all(|other| other.starts_with(prefix))).unwrap_or("")
 }
 
 /// The names of joints in columns of a quantity, each once.
@@ -66,16 +82,24 @@ fn named(meanings: &[Vec<Meaning>], quantity: usize) -> Vec<String> {
 fn fits(meanings: &[Vec<Meaning>], names: &[String], quantity: usize) -> Vec<Fit> {
     let own = named(meanings, quantity);
     let Some(first) = names.first() else { return Vec::new() };
-    let of_file = own.iter().filter_map(|name| before(name, first)).map(|prefix| (prefix, true));
-    let of_robot = own.iter().filter_map(|name| before(first, name)).map(|prefix| (prefix, false));
+    let of_file = own.iter().filter_map(|name| before(name, first)).map(|prefix| (prefix, Side::File));
+    let of_robot = own.iter().filter_map(|name| before(first, name)).map(|prefix| (prefix, Side::Robot));
+    // Each has a prefix of its own where none of them is behind one of the other's names.
+    let ahead = shared(names);
+    let of_both = own.iter().filter_map(|name| before(name, &first[ahead.len()..]));
+    let of_both = of_both.filter(|_| !ahead.is_empty()).map(|prefix| (prefix, Side::Both));
     let mut fits: Vec<Fit> = Vec::new();
-    for (prefix, in_file) in of_file.chain(of_robot) {
-        let called = |joint: &String| match in_file {
-            true => Some(format!("{prefix}{joint}")),
-            false => joint.strip_prefix(prefix).map(str::to_owned),
+    for (prefix, side) in of_file.chain(of_robot).chain(of_both) {
+        let is_called = |name: &String, joint: &String| match side {
+            Side::File => before(name, joint) == Some(prefix),
+            Side::Robot => before(joint, name) == Some(prefix),
+            Side::Both => before(name, &joint[ahead.len()..]) == Some(prefix),
         };
-        let all: Option<Vec<String>> =
-            names.iter().map(|joint| called(joint).filter(|name| own.contains(name))).collect();
+        if matches!(side, Side::Both) && !fits.is_empty() {
+            break;
+        }
+        let of_joint = |joint: &String| own.iter().find(|name| is_called(name, joint)).cloned();
+        let all: Option<Vec<String>> = names.iter().map(of_joint).collect();
         if let Some(all) = all
             && !fits.iter().any(|(_, other)| *other == prefix)
         {
@@ -83,6 +107,14 @@ fn fits(meanings: &[Vec<Meaning>], names: &[String], quantity: usize) -> Vec<Fit
         }
     }
     fits
+}
+
+/// Where a prefix stands.
+#[derive(Clone, Copy)]
+enum Side {
+    File,
+    Robot,
+    Both,
 }
 
 /// Those of `known` that more than half of the names of a file are behind one prefix, or that are so behind one of the robot's. None where
@@ -123,6 +155,29 @@ mod tests {
     fn of_columns(columns: &str, joints: &str, quantity: usize) -> Option<String> {
         let (meanings, _) = bare::meanings(&list(columns));
         several(&meanings, &list(joints), quantity)
+    }
+
+    fn is_found(columns: &str, joints: &str) -> bool {
+        let (meanings, _) = bare::meanings(&list(columns));
+        let found = behind_prefix(&meanings, &list(joints), POSITION);
+        found.is_some_and(|(numbers, _)| numbers.values().eq([1, 2].iter()) || numbers.values().eq([2, 1].iter()))
+    }
+
+    #[test]
+    fn prefixes_may_be_on_both_sides_and_words_be_separated_otherwise() {
+        let robot = "left_arm_shoulder,left_arm_elbow";
+        for columns in ["robot0/left_arm/shoulder", "left_arm/shoulder", "robot0/shoulder", "robot0.left-arm.shoulder"]
+        {
+            let columns = ["shoulder", "elbow"].map(|joint| format!("{}/position", columns.replace("shoulder", joint)));
+            assert!(is_found(&columns.join(","), robot), "{columns:?}");
+        }
+        assert!(!is_found("robot0/knee/position,robot0/elbow/position", robot));
+        // Two arms of the file.
+        let two = "robot0/shoulder/position,robot0/elbow/position,robot1/shoulder/position,robot1/elbow/position";
+        assert!(
+            !is_found(two, robot) && of_columns(two, robot, POSITION).unwrap().contains("robot0/ and robot1/ alike")
+        );
+        assert!(!is_found("robot0/shoulder/position,robot1/elbow/position", robot));
     }
 
     #[test]

@@ -19,6 +19,10 @@ pub fn remedy(faults: &[DataFault]) -> String {
         places.dedup();
         places
     };
+    let is_another = |fault: &DataFault| fault.kind == Kind::NothingExplains;
+    if faults.iter().any(|fault| fault.consequence == Consequence::Stops && is_another(fault)) {
+        return "give the file of the robot that the logs are of, with its joints in the order of the log, and run the diagnosis again".into();
+    }
     match (places(false), places(true)) {
         (wrong, _) if !wrong.is_empty() => format!("correct {} and run the diagnosis again", wrong.join(", ")),
         (_, still) => format!("record a motion in which every joint takes part: {} stands still", still.join(", ")),

@@ -1,7 +1,7 @@
 //! Torques that are not those of the described arm, whatever is changed: those of another robot, or bodies that are placeholders.
 
 use super::super::change::Description;
-use super::super::compare::EXPLAINED_ALONE;
+use super::super::compare::{EXPLAINED, EXPLAINED_ALONE};
 use super::super::fitting::{Evaluation, Fit, Physics, Rows};
 use super::super::shares::{FEWEST, MORE_THAN_ALL, WRONG_MASSES};
 use super::super::tried::Tried;
@@ -32,7 +32,7 @@ const UNLIKE_SHAPES: f64 = 2.0;
 /// Share of the torques, as a geometric mean, from which masses of the described arm that are wrong do not explain it: less is a note.
 const NOT_MASSES: f64 = 0.3;
 
-/// A finding where no bodies explain half of the torques, or only others than those described.
+/// A finding where no bodies explain the torques, or only others than those described.
 pub(crate) fn finding(views: &[&View], robot: &Robot, description: Option<&Description>) -> Option<Finding> {
     let rows = Rows::new(views, Some(robot))?;
     let as_given = Description::as_given(robot.dof(), robot.gravity);
@@ -45,12 +45,12 @@ pub(crate) fn finding(views: &[&View], robot: &Robot, description: Option<&Descr
     let free = under(&physics)?;
     let percent = |share: f64| format!("{:.0} %", 100.0 * share);
     let changed = if description.changes.is_empty() { "" } else { ", with what is named besides" };
-    let (severity, text) = if nothing_explains(&residuals) {
+    let (kind, severity, text) = if nothing_explains(&residuals) {
         let text = format!(
             "no bodies on these joints explain the torques{changed}: more than half of the torque of most joints stays unexplained. The log may be that of \
-             another robot or of other joints, or its torques are not these joints'"
+             another robot or of other joints, or its torques are not these joints', as where motors drive several of them ([motors] coupling)"
         );
-        (Severity::Warning, text)
+        (Kind::NothingExplains, Severity::Warning, text)
     } else {
         let bodies = under(&Physics::bodies(robot)?)?;
         let moved = (0..robot.dof()).any(|joint| description.changes_position_of(joint));
@@ -67,6 +67,9 @@ pub(crate) fn finding(views: &[&View], robot: &Robot, description: Option<&Descr
             true => (&bodies, "the file's masses are wrong, as placeholders are"),
             false => (&masses, "the file describes other shapes"),
         };
+        // Right joints with bodies of their own leave noise and what friction has beyond the model: a few per cent.
+        let is_note = bodies.share() < NOT_MASSES && !unlike && !heavy;
+        let kind = if is_note || free.share() < EXPLAINED { Kind::OtherRobot } else { Kind::NothingExplains };
         let text = format!(
             "the robot's bodies do not explain the torques{changed}, whatever they carry{}: {} stay unexplained on parts held out, {} with other bodies on \
              these joints. Either {cause}{}, or the log is that of another robot or of other joints",
@@ -79,9 +82,15 @@ pub(crate) fn finding(views: &[&View], robot: &Robot, description: Option<&Descr
                 ""
             }
         );
-        (if bodies.share() < NOT_MASSES && !unlike && !heavy { Severity::Note } else { Severity::Warning }, text)
+        let text = match kind {
+            Kind::NothingExplains => format!(
+                "{text}. On the right joints other bodies leave less: another robot, or motors that drive several joints, is likelier"
+            ),
+            _ => text,
+        };
+        (kind, if is_note { Severity::Note } else { Severity::Warning }, text)
     };
-    Some(Finding::new(Kind::OtherRobot, severity, "robot", text))
+    Some(Finding::new(kind, severity, "robot", text))
 }
 
 /// Whether bodies of any masses leave much more of the torques than free ones do.

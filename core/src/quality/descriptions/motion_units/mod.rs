@@ -1,10 +1,12 @@
 //! Units of the motion that show in the torques alone: the clock's second, positions in turns, joints in another unit than the others, and
 //! positions before the gears.
 //!
-//! In: one log and the arm. Out: the factor of its clock, whether its positions are in turns, or in rad where their names say degrees, joints that are in rad where others are not,
+//! In: one log and the arm. Out: the factor of its clock, whether its positions are in turns, in degrees that look like rad, or in rad where their names
+//! say degrees, joints that are in rad where others are not,
 //! or the ratio of the gears.
 
 mod clock;
+mod degrees;
 mod gears;
 mod mixed;
 mod radians;
@@ -12,6 +14,7 @@ mod scaled;
 mod turns;
 
 pub(crate) use clock::{ClockFactor, clock_factor, clock_text, torques_deny_clock, unsure_clock_text};
+pub(crate) use degrees::are_degrees;
 pub(crate) use gears::ratio as gear_ratio;
 pub(crate) use mixed::in_si_units;
 pub(crate) use radians::are_radians;

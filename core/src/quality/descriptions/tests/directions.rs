@@ -111,7 +111,7 @@ fn a_direction_is_said_to_be_as_uncertain_as_it_is() {
             "{oddity:?}, {seconds}: {} of {spread:?}",
             off(&verdict, gravity)
         );
-        let said = findings(&verdict, &robot.joint_names()).remove(0).text;
+        let said = findings(&verdict, &robot.joint_names(), None).remove(0).text;
         assert_eq!(said.contains("do not determine this direction well"), !spread.is_narrow(), "{said}");
         assert!(spread.is_narrow() || !verdict.beyond_doubt);
         spread.degrees

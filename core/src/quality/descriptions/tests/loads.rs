@@ -79,7 +79,7 @@ fn factors_that_differ_are_listed_by_joint() {
     for (found, wanted) in verdict.factors.iter().zip(factors).filter_map(|(found, wanted)| Some(((*found)?, wanted))) {
         assert!((found / wanted).ln().abs() < 0.3, "{found} of {wanted}");
     }
-    let said = findings(&verdict, &robot.joint_names());
+    let said = findings(&verdict, &robot.joint_names(), None);
     assert!(said.len() == 1 && said[0].text.contains("differs from joint to joint"), "{said:?}");
 }
 

@@ -252,6 +252,7 @@ mod directions;
 mod loads;
 mod models;
 mod named_units;
+mod others;
 mod right_logs;
 mod scales;
 mod signs;

@@ -33,7 +33,7 @@ fn a_unit_is_one_factor_of_all_joints_though_masses_are_wrong() {
     let verdict = judged(&scaled(&with_other_masses(&irb(), 3), [1000.0; 6])).unwrap();
     let [Some(factor)] = verdict.factors[..] else { panic!("{verdict:?}") };
     assert!((0.8..1.25).contains(&(factor / 1000.0)), "{factor}");
-    let said = findings(&verdict, &irb().joint_names());
+    let said = findings(&verdict, &irb().joint_names(), None);
     assert!(said.len() == 1 && said[0].text.contains("N mm"), "{said:?}");
 }
 
@@ -114,7 +114,7 @@ fn with_factors_known_to_two(factors: [f64; 6]) -> Verdict {
 #[test]
 fn shares_of_the_rated_torque_are_a_factor_for_each_joint() {
     let verdict = with_factors_known_to_two([0.1, 0.12, 0.3, 3.0, 3.5, 6.0]);
-    let said = findings(&verdict, &irb().joint_names());
+    let said = findings(&verdict, &irb().joint_names(), None);
     assert!(said.len() == 1 && said[0].text.contains("differs from joint to joint"), "{said:?}");
 }
 
@@ -196,7 +196,7 @@ fn a_factor_that_leaves_much_is_not_certain() {
     let mut verdict = judged(&scaled(&irb(), [1e-2; 6])).unwrap();
     assert!(!verdict.leaves_much(), "{}", verdict.after);
     verdict.after = 0.29;
-    let said = findings(&verdict, &irb().joint_names());
+    let said = findings(&verdict, &irb().joint_names(), None);
     assert!(verdict.leaves_much() && said[0].text.contains("nothing of this is certain"), "{said:?}");
 }
 

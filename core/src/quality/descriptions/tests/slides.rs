@@ -81,7 +81,7 @@ fn a_ceiling_is_found_by_the_weight_that_a_drive_would_push_with() {
             let verdict = judged(&logs(&actual, Oddity::None), robot).verdict.unwrap();
             assert_eq!(verdict.description.changes, [Change::Gravity([0.0, 0.0, 9.81])]);
             assert!(matches!(verdict.shown, Some(Shown::Constant { joint: 3, .. })) && !verdict.beyond_doubt);
-            let said = findings(&verdict, &robot.joint_names());
+            let said = findings(&verdict, &robot.joint_names(), None);
             assert!(said[0].text.contains("the drive of j4 would push"), "{said:?}");
         }
     });

@@ -73,3 +73,52 @@ fn positions_before_gears_with_other_signs_are_in_no_unit() {
     assert!(finding.text.contains("gears of about 101:") && finding.text.contains("[motors] sign"), "{finding:?}");
     assert!(report.units.is_none() && report.description.is_none());
 }
+
+/// A log of a motion of so many degrees to either side of zero, with positions that are so many times larger than in rad.
+fn of_a_few_degrees(robot: &Robot, degrees: f64, times: f64) -> Sieved {
+    let mut log = simulated(robot, Oddity::None, 20.0, 11);
+    let samples = log.recording.samples();
+    let mut motion = Motion::zeros(6, samples);
+    for joint in 0..6 {
+        let rate = 0.5 + 0.17 * joint as f64;
+        for i in 0..samples {
+            let (sin, cos) = (rate * log.recording.time[i] + joint as f64).sin_cos();
+            let swing = degrees.to_radians();
+            motion.q.channel_mut(joint)[i] = swing * sin;
+            motion.qd.channel_mut(joint)[i] = swing * rate * cos;
+            motion.qdd.channel_mut(joint)[i] = -swing * rate * rate * sin;
+        }
+    }
+    let mut tau = inverse_dynamics(&Chain::new(robot), &robot.inertial_parameters(), &motion);
+    let mut random = random::stream(11, "few_degrees", 0);
+    for joint in 0..6 {
+        let size = crate::linear::root_mean_square(tau.channel(joint)).max(0.1);
+        for (torque, rate) in tau.channel_mut(joint).iter_mut().zip(motion.qd.channel(joint)) {
+            let noise: f64 = StandardNormal.sample(&mut random);
+            *torque += size * (0.1 * (rate / 1e-4).tanh() + 0.003 * noise);
+        }
+    }
+    log.recording.q = motion.q.map(|_, q| q.iter().map(|q| times * q).collect());
+    log.recording.tau = tau;
+    log
+}
+
+#[test]
+fn a_few_degrees_are_no_radians_though_these_are_within_the_limits() {
+    let robot = irb();
+    let other = scales::with_other_masses(&robot, 3);
+    let units = |log: &Sieved| examine_together(&[log], Some(&robot)).unwrap().reports.remove(0).units.positions;
+    for degrees in [1.5, 2.5] {
+        let log = of_a_few_degrees(&other, degrees, 1f64.to_degrees());
+        assert_eq!(units(&log), [Some(OtherUnit::Degree); 6], "{degrees}");
+        assert!(units(&of_a_few_degrees(&other, degrees, 1.0)).is_empty(), "{degrees}");
+    }
+    // Torques without gravity, or of another scale, are none of a motion that is smaller.
+    for oddity in [Oddity::SlowMotion, Oddity::None] {
+        let compensated = Robot { gravity: nalgebra::Vector3::zeros(), ..irb() };
+        let mut log = simulated(&compensated, oddity, 15.0, 12);
+        assert!(units(&log).is_empty(), "{oddity:?}");
+        log.recording.tau.as_mut_slice().iter_mut().for_each(|torque| *torque *= 0.01);
+        assert!(units(&log).is_empty(), "{oddity:?}");
+    }
+}

@@ -1,0 +1,76 @@
+//! The part of a log that can be used: what is no measurement is left out, and the clock is even.
+
+use super::clipped::clipping;
+use super::leave_out_unmeasured;
+use crate::error::Result;
+use crate::recording::{Recording, resample};
+
+/// Time on either side of a clipped sample that is left out with it, s: noise hides there how much was cut off.
+const AROUND_CLIPPED_S: f64 = 0.04;
+
+/// The part of a log that can be used.
+pub(crate) struct Usable {
+    /// The pieces between long gaps, at even steps; torque that must not be used is not a number there.
+    pub pieces: Vec<Recording>,
+    /// Samples of every joint's torque that are left out since it is cut off at a limit there.
+    pub clipped: Vec<usize>,
+}
+
+/// Leaves out of a log what is no measurement, torque that is cut off at a limit too, and cuts it into pieces at even steps.
+///
+/// # Errors
+/// Those of the filters: the log is too short.
+pub(crate) fn usable(mut recording: Recording) -> Result<Usable> {
+    leave_out_unmeasured(&mut recording)?;
+    let levels: Vec<Vec<f64>> = recording.tau.iter().map(clipping_levels).collect();
+    let mut clipped = vec![0; levels.len()];
+    let mut pieces = resample::pieces(recording);
+    for piece in &mut pieces {
+        let around = (AROUND_CLIPPED_S * piece.rate_hz()).round() as usize;
+        for (joint, levels) in levels.iter().enumerate() {
+            clipped[joint] += leave_out(piece.tau.channel_mut(joint), levels, around);
+        }
+    }
+    Ok(Usable { pieces, clipped })
+}
+
+/// Levels at which a torque is cut off, on both sides where both extremes are the same size.
+fn clipping_levels(tau: &[f64]) -> Vec<f64> {
+    let mut levels: Vec<f64> = clipping(tau).into_iter().map(|(level, ..)| level).collect();
+    if let [level] = levels[..]
+        && tau.contains(&-level)
+    {
+        levels.push(-level);
+    }
+    levels
+}
+
+/// Torques at a level, and samples around them, become not a number; returns how many are at a level.
+fn leave_out(tau: &mut [f64], levels: &[f64], around: usize) -> usize {
+    let at: Vec<usize> = (0..tau.len())
+        .filter(|&k| levels.iter().any(|level| (tau[k] - level) * level.signum() >= -1e-9 * level.abs()))
+        .collect();
+    for &k in &at {
+        let end = (k + around + 1).min(tau.len());
+        tau[k.saturating_sub(around)..end].fill(f64::NAN);
+    }
+    at.len()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn clipped_samples_and_their_neighbours_are_left_out() {
+        let mut tau: Vec<f64> = (0..400).map(|k| (5.0 * (0.05 * f64::from(k)).sin()).clamp(-3.0, 9.0)).collect();
+        let levels = clipping_levels(&tau);
+        assert_eq!(levels, [-3.0]);
+        let cut_off = tau.iter().filter(|v| **v == -3.0).count();
+        assert_eq!(leave_out(&mut tau, &levels, 2), cut_off);
+        let first = tau.iter().position(|v| v.is_nan()).unwrap();
+        let at = |k: usize| 5.0 * (0.05 * k as f64).sin();
+        assert!(at(first + 1) > -3.0 && at(first + 2) <= -3.0);
+        assert!(tau.iter().filter(|v| !v.is_nan()).all(|v| *v > -3.0));
+    }
+}

@@ -140,9 +140,7 @@ pub fn examine_together(logs: &[&Sieved], robot: Option<&Robot>) -> Result<Toget
                 .iter_mut()
                 .filter(|finding| denied && descriptions::is_description(finding.kind))
                 .for_each(|finding| finding.severity = Severity::Note);
-            // No change that was tried makes the described bodies fit.
-            let nothing = |own: Finding| if denied { Finding { kind: Kind::NothingExplains, ..own } } else { own };
-            reports[log].findings = finding.clone().map(nothing).into_iter().chain(known).collect();
+            reports[log].findings = finding.clone().into_iter().chain(known).collect();
             reports[log].findings.sort_by_key(|finding| std::cmp::Reverse(finding.severity));
         }
     }

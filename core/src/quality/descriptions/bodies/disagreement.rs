@@ -67,9 +67,6 @@ pub(crate) fn finding(views: &[&View], robot: &Robot, description: Option<&Descr
             true => (&bodies, "the file's masses are wrong, as placeholders are"),
             false => (&masses, "the file describes other shapes"),
         };
-        // Right joints with bodies of their own leave noise and what friction has beyond the model: a few per cent.
-        let is_note = bodies.share() < NOT_MASSES && !unlike && !heavy;
-        let kind = if is_note || free.share() < EXPLAINED { Kind::OtherRobot } else { Kind::NothingExplains };
         let text = format!(
             "the robot's bodies do not explain the torques{changed}, whatever they carry{}: {} stay unexplained on parts held out, {} with other bodies on \
              these joints. Either {cause}{}, or the log is that of another robot or of other joints",
@@ -82,13 +79,15 @@ pub(crate) fn finding(views: &[&View], robot: &Robot, description: Option<&Descr
                 ""
             }
         );
-        let text = match kind {
-            Kind::NothingExplains => format!(
+        // Right joints with bodies of their own leave noise and what friction has beyond the model.
+        let text = match free.share() < EXPLAINED {
+            true => text,
+            false => format!(
                 "{text}. On the right joints other bodies leave less: another robot, or motors that drive several joints, is likelier"
             ),
-            _ => text,
         };
-        (kind, if is_note { Severity::Note } else { Severity::Warning }, text)
+        let is_note = bodies.share() < NOT_MASSES && !unlike && !heavy;
+        (Kind::OtherRobot, if is_note { Severity::Note } else { Severity::Warning }, text)
     };
     Some(Finding::new(kind, severity, "robot", text))
 }

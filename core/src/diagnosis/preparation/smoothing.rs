@@ -90,10 +90,15 @@ pub(super) fn noisy_once_moved(arm: &Arm, rows: &Rows, whitener: &Whitener, mino
     Ok((0..rows.dof())
         .map(|joint| {
             let [outside, clear] = [&outside, &clear].map(|column| column.part(joint).unwrap_or_default());
-            let power = clear.iter().map(|x| x * x).sum::<f64>() / clear.len().max(1) as f64;
-            typical_power(outside, SHORT_ROWS) > minor * power
+            attenuates(outside, clear, minor)
         })
         .collect())
+}
+
+/// Whether what lies `outside` the `clear` part of a column is, most of the time, more than a share of it in power.
+fn attenuates(outside: &[f64], clear: &[f64], share: f64) -> bool {
+    let power = clear.iter().map(|x| x * x).sum::<f64>() / clear.len().max(1) as f64;
+    typical_power(outside, SHORT_ROWS) > share * power
 }
 
 /// The frequency above which the positions of each joint are mostly noise, in the log where it is highest, Hz.
@@ -130,4 +135,22 @@ pub(super) fn bands(arm: &Arm, rows: &Rows, above_hz: &[f64], smoothed_hz: &[f64
     };
     let each = (0..dof).into_par_iter().map(band).collect::<Result<Vec<Vec<Column>>>>()?;
     Ok(each.concat())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn noise_attenuates_and_a_start_does_not() {
+        let clear: Vec<f64> = (0..400).map(|row| 2.0 * (0.1 * f64::from(row)).sin()).collect();
+        let power = clear.iter().map(|x| x * x).sum::<f64>() / 400.0;
+        let noise = |share: f64| -> Vec<f64> {
+            (0..400).map(|row| (share * power).sqrt() * if row % 2 == 0 { 1.0 } else { -1.0 }).collect()
+        };
+        assert!(attenuates(&noise(0.11), &clear, 0.1) && !attenuates(&noise(0.09), &clear, 0.1));
+        let mut start = noise(0.01);
+        start[100..110].fill(50.0);
+        assert!(!attenuates(&start, &clear, 0.1));
+    }
 }

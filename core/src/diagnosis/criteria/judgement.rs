@@ -27,8 +27,6 @@ pub enum Gate {
     Exceeded,
     /// Its p-value without the most influential blocks.
     Influence,
-    /// A delay of all torques does not rest on one joint: by how much its value differs without that, over what may be.
-    InfluentialJoint,
     /// It turns the sign of no earlier finding that has one sign only: number of those.
     EarlierSigns,
     /// It leaves the parameters of earlier findings identifiable: number of those that the logs determine without it and not with it.
@@ -112,7 +110,6 @@ impl Gate {
             Gate::Flat => "is not flat where the model exceeds the limit",
             Gate::Exceeded => "is exceeded by the measured torque",
             Gate::Influence => "depends on two influential blocks",
-            Gate::InfluentialJoint => "rests on one joint, and the others contradict it",
             Gate::EarlierSigns => "gives an earlier finding a sign that it cannot have",
             Gate::EarlierParameters => "leaves parameters of an earlier finding undetermined",
             Gate::HeldOutGain => "explains too little of the held-out logs",

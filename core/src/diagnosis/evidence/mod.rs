@@ -20,7 +20,7 @@ mod rival_laws;
 mod scan;
 
 pub(crate) use adjusted::{against_slow_noise, log_p_adjusted};
-pub(crate) use blocks::{apart_without_influential_joint, without_influential_blocks};
+pub(crate) use blocks::without_influential_blocks;
 pub(crate) use cross_validation::cross_validated_residual;
 pub(crate) use generic::{Block, DELAYS_S, Reach, blocks, modulated, slow_cosines};
 pub(crate) use held_out::Gains;

@@ -3,14 +3,13 @@
 
 use crate::diagnosis::criteria::{Criteria, Gate, Judgement, Levels, SearchCriteria};
 use crate::diagnosis::evidence::{
-    Gains, Judged, Multiplicity, apart_without_influential_joint, cross_validated_residual, log_p_adjusted,
-    without_influential_blocks,
+    Gains, Judged, Multiplicity, cross_validated_residual, log_p_adjusted, without_influential_blocks,
 };
 use crate::diagnosis::logs::Rows;
 use crate::diagnosis::model::{Candidate, DataSet, FlatLevel, Member, Session, flat_level, is_level, slope_beyond};
 use crate::diagnosis::noise::Whitener;
 use crate::diagnosis::regression::{Column, Projection, Solved};
-use crate::effects::{Hidden, Nature, Placed, Scope, Site};
+use crate::effects::{Hidden, Nature, Placed, Site};
 use crate::error::Result;
 use crate::identification::effect_model::Trust;
 
@@ -169,13 +168,6 @@ impl Trial<'_> {
         let inside = Judgement::at_most(Gate::AtBound, lost, self.session.criteria.at_bound());
         if !inside.passed {
             return refused(inside, false);
-        }
-        if effect.about().nature == Nature::Delay && effect.about().scope == Scope::Arm {
-            let apart = apart_without_influential_joint(self.fit, winner, &self.session.criteria.levels);
-            let agree = Judgement::at_most(Gate::InfluentialJoint, apart, 1.0);
-            if !agree.passed {
-                return refused(agree, false);
-            }
         }
         if effect.about().nature == Nature::OfSpeed {
             // The rounding has one parameter less, and most arms that are simulated have it.

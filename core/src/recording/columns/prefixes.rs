@@ -2,7 +2,7 @@
 //! behind one of its own: `robot0/elbow` for `left_elbow`. What separates words does not matter.
 
 use super::names::{Joint, Meaning, QUANTITIES};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// What stands between a prefix and the joint behind it.
 const SEPARATORS: [char; 6] = ['/', '_', '.', '-', ':', ' '];
@@ -84,28 +84,25 @@ fn fits(meanings: &[Vec<Meaning>], names: &[String], quantity: usize) -> Vec<Fit
     let Some(first) = names.first() else { return Vec::new() };
     let of_file = own.iter().filter_map(|name| before(name, first)).map(|prefix| (prefix, Side::File));
     let of_robot = own.iter().filter_map(|name| before(first, name)).map(|prefix| (prefix, Side::Robot));
-    // Each has a prefix of its own where none of them is behind one of the other's names.
     let ahead = shared(names);
-    let of_both = own.iter().filter_map(|name| before(name, &first[ahead.len()..]));
-    let of_both = of_both.filter(|_| !ahead.is_empty()).map(|prefix| (prefix, Side::Both));
-    let mut fits: Vec<Fit> = Vec::new();
-    for (prefix, side) in of_file.chain(of_robot).chain(of_both) {
+    let fit = |(prefix, side): (&str, Side)| -> Option<Fit> {
         let is_called = |name: &String, joint: &String| match side {
             Side::File => before(name, joint) == Some(prefix),
             Side::Robot => before(joint, name) == Some(prefix),
             Side::Both => before(name, &joint[ahead.len()..]) == Some(prefix),
         };
-        if matches!(side, Side::Both) && !fits.is_empty() {
-            break;
-        }
         let of_joint = |joint: &String| own.iter().find(|name| is_called(name, joint)).cloned();
-        let all: Option<Vec<String>> = names.iter().map(of_joint).collect();
-        if let Some(all) = all
-            && !fits.iter().any(|(_, other)| *other == prefix)
-        {
-            fits.push((all.into_iter().zip(1..).collect(), prefix.to_owned()));
-        }
+        let all: Vec<String> = names.iter().map(of_joint).collect::<Option<_>>()?;
+        Some((all.into_iter().zip(1..).collect(), prefix.to_owned()))
+    };
+    let mut fits: Vec<Fit> = of_file.chain(of_robot).filter_map(fit).collect();
+    // Each has a prefix of its own where none of them is behind one of the other's names.
+    if fits.is_empty() && !ahead.is_empty() {
+        let of_both = own.iter().filter_map(|name| before(name, &first[ahead.len()..]));
+        fits.extend(of_both.filter_map(|prefix| fit((prefix, Side::Both))));
     }
+    let mut seen = BTreeSet::new();
+    fits.retain(|(_, prefix)| seen.insert(prefix.clone()));
     fits
 }
 

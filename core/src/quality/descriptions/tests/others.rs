@@ -10,13 +10,6 @@ fn doubts(log: &Sieved, robot: &Robot) -> Vec<(Kind, Severity)> {
     report.findings.iter().filter(|own| of_robot(own.kind)).map(|own| (own.kind, own.severity)).collect()
 }
 
-#[test]
-fn no_bodies_explain_torques_of_another_time() {
-    let mut log = simulated(&irb(), Oddity::None, 15.0, 5);
-    (0..6).for_each(|joint| log.recording.tau.channel_mut(joint).reverse());
-    assert_eq!(doubts(&log, &irb()), [(Kind::NothingExplains, Severity::Warning)]);
-}
-
 /// Masses that are placeholders are doubted, and bodies on the joints explain the torques all the same, whatever the arm does besides.
 #[test]
 fn placeholders_of_an_arm_with_an_effect_are_not_another_arm() {

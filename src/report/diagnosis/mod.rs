@@ -1,6 +1,8 @@
 //! What `tauscope diagnose` reports for people: a few lines.
 
+mod faults;
 mod gravity;
 mod text;
 
-pub(crate) use text::{followed, impacts, largest, lines, not_simulated, place, stopped_lines};
+pub(crate) use faults::stopped_lines;
+pub(crate) use text::{followed, impacts, largest, lines, not_simulated, place};

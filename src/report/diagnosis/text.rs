@@ -1,5 +1,6 @@
 //! The answer in a few lines.
 
+use super::faults::fault_lines;
 use super::gravity;
 use crate::diagnosis::{
     Consequence, DataFault, Diagnosis, EXTENDED_SCENARIO, Family, Finding, Found, Gate, JointMap, LOGS_DISAGREE,
@@ -7,17 +8,13 @@ use crate::diagnosis::{
 };
 use crate::effects;
 use crate::error::Error;
-use crate::internal::diagnosis::{NOT_SIZED, effort, finding, findings, joints, remedy, shown, with_unit};
-use crate::quality::with_logs;
+use crate::internal::diagnosis::{NOT_SIZED, effort, finding, findings, joints, shown, with_unit};
 use crate::report::console::{by_joint, measured, significant, table};
 use crate::report::payload;
 use crate::robot::{Robot, Unit};
 
 /// Effects not found, and parameters of an effect, that the lines mention.
 const MENTIONED: usize = 4;
-
-/// Faults of the data that are listed one by one.
-const FAULTS: usize = 6;
 
 /// Smallest p-value that is printed with its size.
 const SURE: f64 = 1e-12;
@@ -116,14 +113,6 @@ pub(crate) fn not_simulated(problem: &Error) -> String {
     )
 }
 
-/// The lines where faults of the data forbid an answer.
-pub(crate) fn stopped_lines(faults: &[DataFault]) -> String {
-    let mut lines = vec!["The logs cannot be diagnosed: any effect named from them would be wrong.".to_owned()];
-    lines.extend(fault_lines(faults));
-    lines.push(format!("Next: {}.", remedy(faults)));
-    lines.join("\n")
-}
-
 /// What explains nothing: all that was tried.
 fn none(diagnosis: &Diagnosis) -> String {
     match diagnosis.scope.candidates.as_slice() {
@@ -166,29 +155,6 @@ fn all_constant(diagnosis: &Diagnosis) -> bool {
             let others = found.alternatives.iter().map(|other| other.family);
             others.chain([found.member.candidate.family()]).any(is_constant)
         })
-}
-
-fn fault_lines(faults: &[DataFault]) -> Vec<String> {
-    let each = faults.iter().map(|fault| (&fault.log[..], (fault.consequence, &fault.place[..], &fault.text[..])));
-    let each = with_logs(each);
-    let mut lines: Vec<String> = each
-        .iter()
-        .take(FAULTS)
-        .map(|(logs, (consequence, place, text))| {
-            let what = match consequence {
-                Consequence::Stops => "Fault of the data",
-                Consequence::Doubts => "Doubt",
-                Consequence::LeftOut => "Left out",
-                Consequence::Noted => "Note",
-                Consequence::Corrected => "Corrected",
-            };
-            format!("{what}: {}: {place}: {text}", logs.join(", "))
-        })
-        .collect();
-    if each.len() > FAULTS {
-        lines.push(format!("... and {} more faults; diagnosis.json lists all", each.len() - FAULTS));
-    }
-    lines
 }
 
 /// "stribeck_friction on joint_2", with the alternatives that the logs do not separate from it.

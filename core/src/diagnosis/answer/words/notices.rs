@@ -38,6 +38,7 @@ pub fn shown(robot: &Robot, diagnosis: &Diagnosis) -> Vec<String> {
         mixed_rates(diagnosis),
         sampling(robot, diagnosis),
         extrapolation(robot, diagnosis),
+        beyond_sensors(robot, diagnosis),
     ];
     all.into_iter().flatten().collect()
 }
@@ -148,6 +149,36 @@ pub(in crate::diagnosis::answer) fn extrapolation(robot: &Robot, diagnosis: &Dia
     })
 }
 
+/// Notice on joints whose residual is far beyond the noise of their sensors and of which nothing is found, nor structure unexplained: the
+/// noise model holds what is slow, periodic or faster than the rows.
+pub(in crate::diagnosis::answer) fn beyond_sensors(robot: &Robot, diagnosis: &Diagnosis) -> Option<String> {
+    let explained = |joint: &usize| {
+        let found = diagnosis.found.iter().any(|found| found.member.candidate.joints().contains(joint));
+        found || diagnosis.unexplained.iter().any(|left| left.joint == *joint)
+    };
+    let errors = &diagnosis.errors;
+    let factor = diagnosis.scope.criteria.structure.above_noise;
+    let far = far_beyond(&errors.extended_test_rms, &errors.sensor_noise, factor);
+    let each = far.into_iter().filter(|joint| !explained(joint)).map(|joint| {
+        let [left, noise] = [&errors.extended_test_rms, &errors.sensor_noise].map(|all| all[joint]);
+        format!("{} ({}, {:.1} times)", robot.joints[joint].name, effort(&robot.joints[joint], left), left / noise)
+    });
+    let each: Vec<String> = each.collect();
+    (!each.is_empty()).then(|| {
+        format!(
+            "the held-out residual is well beyond the noise of the torque sensor on {}, and nothing that it follows is significant: slow or \
+             coloured noise of the drives, or vibration, elasticity and play that these logs do not separate from it",
+            each.join(", ")
+        )
+    })
+}
+
+/// Joints whose residual exceeds the noise of the sensor by a factor, where that noise is known.
+fn far_beyond(left: &[f64], sensor: &[f64], factor: f64) -> Vec<usize> {
+    let is_far = |&joint: &usize| sensor[joint] > 0.0 && left[joint] > factor * sensor[joint];
+    (0..left.len()).filter(is_far).collect()
+}
+
 /// An effort of a joint with its unit.
 pub fn effort(joint: &Joint, value: f64) -> String {
     with_unit(significant(value), joint.effort_unit())
@@ -156,4 +187,14 @@ pub fn effort(joint: &Joint, value: f64) -> String {
 /// A value with its unit; ratios have none.
 pub fn with_unit(value: String, unit: &str) -> String {
     if unit == "1" { value } else { format!("{value} {unit}") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn residuals_are_far_beyond_sensors_from_a_factor_on() {
+        assert_eq!(far_beyond(&[2.01, 1.99, 5.0, f64::NAN], &[1.0, 1.0, 0.0, 1.0], 2.0), [0]);
+    }
 }

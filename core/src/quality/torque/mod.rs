@@ -19,6 +19,7 @@ use rayon::prelude::*;
 mod dead_time;
 mod joint_fit;
 mod of_joint;
+mod since_reversal;
 
 use dead_time::Lags;
 use of_joint::{OfJoint, Rows};
@@ -28,13 +29,6 @@ const ROWS: usize = 4000;
 
 /// Dead times are looked for up to this at every sample, s.
 const REACH_S: f64 = 0.05;
-
-/// Distances after a reversal over which friction may build up, as shares of the range of a joint: what it does there is no dead time.
-const BUILDS_UP: [f64; 3] = [0.002, 0.01, 0.05];
-
-/// Share of the range of a joint behind a reversal over which its friction may still build up, as presliding does over some mrad: torques
-/// whose friction comes late look late. A lag of the signals also shows beyond it.
-const BUILT_UP: f64 = 0.05;
 
 /// A condition number above this makes base parameters uncertain.
 const POOR: f64 = 2000.0;
@@ -117,42 +111,6 @@ pub(super) fn examined(view: &View, summaries: &mut [JointSummary], robot: Optio
 fn picked(view: &View, rows: &[usize]) -> Motion {
     let pick = |signals: &Channels| signals.map(|_, signal| rows.iter().map(|&row| signal[row]).collect());
     Motion { q: pick(&view.q), qd: pick(&view.qd), qdd: pick(&view.qdd) }
-}
-
-/// How far a joint has moved since its last reversal.
-struct SinceReversal {
-    /// The distance at every sample, as a share of the joint's range.
-    share: Vec<f64>,
-    /// The direction of motion.
-    direction: Vec<f64>,
-}
-
-impl SinceReversal {
-    fn of(view: &View, joint: usize) -> SinceReversal {
-        let (q, qd) = (view.q.channel(joint), view.qd.channel(joint));
-        let [least, most] = q.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], &q| [a.min(q), b.max(q)]);
-        let range = (most - least).max(f64::MIN_POSITIVE);
-        let mut reversal = q[0];
-        let since = |sample: usize| {
-            if sample > 0 && (qd[sample] > 0.0) != (qd[sample - 1] > 0.0) {
-                reversal = q[sample];
-            }
-            (q[sample] - reversal).abs() / range
-        };
-        SinceReversal { share: (0..q.len()).map(since).collect(), direction: qd.iter().map(|v| v.signum()).collect() }
-    }
-
-    /// Whether a sample is farther from the last reversal than a share of the range.
-    fn is_beyond(&self, sample: usize, share: f64) -> bool {
-        self.share[sample] > share
-    }
-
-    /// Direction of motion, decaying with the distance, at some samples: one column for each of [`BUILDS_UP`]. Friction that builds up
-    /// after reversals, and gears that yield to it, are spanned by these.
-    fn decaying(&self, rows: &[usize]) -> Vec<Vec<f64>> {
-        let at = |row: usize, over: f64| self.direction[row] * (-self.share[row] / over).exp();
-        BUILDS_UP.map(|over| rows.iter().map(|&row| at(row, over)).collect()).into()
-    }
 }
 
 /// Columns of a joint of which nothing is known: offset, gravity on a level axis, rotor, friction.

@@ -2,7 +2,7 @@
 
 use super::dead_time::{Lag, Search};
 use super::joint_fit::JointFit;
-use super::{BUILT_UP, SinceReversal};
+use super::since_reversal::SinceReversal;
 use crate::channels::Channels;
 use crate::dynamics::Motion;
 use crate::quality::channels::spoilt;
@@ -59,7 +59,7 @@ impl OfJoint {
         let with_reversals = columns.iter().map(<[f64]>::to_vec).chain(since.decaying(along.rows));
         let with_reversals = Channels::from_vectors(&with_reversals.collect::<Vec<_>>());
         let (near, far) = (Search::Near(along.reach), Search::far(view));
-        let is_away = |search: Search, row: usize| search.is_within(row, tau.len()) && since.is_beyond(row, BUILT_UP);
+        let is_away = |search: Search, row: usize| search.is_within(row, tau.len()) && since.is_built_up(row);
         let lag = |search: Search, fit: Option<JointFit>| fit.and_then(|fit| search.lag(&fit, tau));
         let lags = LagsOfJoint {
             near: lag(near, fit(&with_reversals, &|_| true)),

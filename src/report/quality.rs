@@ -277,7 +277,8 @@ fn nothing_wrong(report: &Report, is_known: bool) -> String {
     }
     // Such a note tells what is wrong, though it stops nothing.
     let tells = |finding: &Finding| {
-        matches!(finding.kind, Kind::OtherRobot | Kind::NothingExplains | Kind::ModelTorque | Kind::DeadTime)
+        matches!(finding.kind, Kind::ModelTorque | Kind::DeadTime)
+            || finding.kind.is_another_robot()
             || is_description(finding.kind)
     };
     if report.findings.iter().any(tells) {

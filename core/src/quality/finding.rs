@@ -97,6 +97,13 @@ pub enum Kind {
     JointName,
 }
 
+impl Kind {
+    /// Whether it is that the log may be of another robot.
+    pub fn is_another_robot(self) -> bool {
+        matches!(self, Kind::OtherRobot | Kind::NothingExplains)
+    }
+}
+
 /// One finding.
 ///
 /// ```

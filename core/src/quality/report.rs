@@ -1,7 +1,7 @@
 //! What is reported of a log, and of several logs of one arm.
 
 use super::descriptions::Verdict;
-use super::finding::{Finding, Kind, Severity};
+use super::finding::{Finding, Severity};
 use super::motion::JointSummary;
 use super::unit_changes::UnitChanges;
 use crate::recording::lenient::Rejected;
@@ -55,8 +55,7 @@ pub struct Report {
 impl Report {
     /// Whether the log may be that of another robot: no changed description is one of it then.
     pub fn is_of_another_robot(&self) -> bool {
-        let denies = |kind: Kind| matches!(kind, Kind::OtherRobot | Kind::NothingExplains);
-        self.findings.iter().any(|finding| denies(finding.kind) && finding.severity > Severity::Note)
+        self.findings.iter().any(|finding| finding.kind.is_another_robot() && finding.severity > Severity::Note)
     }
 
     /// The first reason why the log cannot be used.

@@ -13,7 +13,6 @@ use crate::effects::Placed;
 use crate::error::{Error, Result};
 use crate::identification::effect_model::Trust;
 use crate::output::ResultFolder;
-use crate::quality;
 use crate::recording::Recording;
 use crate::report::diagnosis as report;
 use crate::report::html::{self, Provenance};
@@ -140,8 +139,8 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     let named = arguments.logs.named(arguments.arm.robot.clone());
     // A description that the diagnosis went on with is written; one of the log of another robot is none.
     let has = |test: fn(&DataFault) -> bool| answer.faults.iter().any(test);
-    let is_another = has(|fault| matches!(fault.kind, quality::Kind::OtherRobot | quality::Kind::NothingExplains))
-        && !has(|fault| fault.consequence == Consequence::Corrected);
+    let is_another =
+        has(|fault| fault.kind.is_another_robot()) && !has(|fault| fault.consequence == Consequence::Corrected);
     let description = answer.description.as_ref().filter(|_| !is_another);
     match description.filter(|verdict| verdict.leaves_much()) {
         Some(open) => corrected::refused(open),

@@ -17,7 +17,7 @@ const DIFFERS: f64 = 2.0;
 
 /// Whether some of these logs contradict each other. Those that cannot be compared may.
 pub(crate) fn contradict(views: &[&View], robot: &Robot) -> bool {
-    let bodies = Some(robot).filter(|robot| robot.placeholders().is_none()).and_then(Physics::bodies);
+    let bodies = Physics::described(robot);
     let agree = |physics: &Physics| agree(views, robot, physics) == Some(true);
     !(agree(&Physics::free(robot)) && bodies.as_ref().is_none_or(agree))
 }

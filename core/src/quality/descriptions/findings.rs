@@ -251,7 +251,8 @@ pub(super) fn apart(one: f64, other: f64) -> [String; 2] {
 /// The findings of a verdict: one per change, at its column, with the held-out residual under it and under its alternatives. Gears are those
 /// of the file of `robot`.
 pub(crate) fn findings(verdict: &Verdict, joints: &[String], robot: Option<&Robot>) -> Vec<Finding> {
-    let gears = robot.map(file_gears::of_file).filter(|gears| file_gears::explain(verdict, gears));
+    let scale = &verdict.description.torque_scale;
+    let gears = robot.map(file_gears::of_file).filter(|gears| file_gears::explain(scale, &verdict.factors, gears));
     let changes = &verdict.description.changes;
     let percent = |share: f64| format!("{:.0} %", 100.0 * share);
     let named = |alternative: &Alternative| {
@@ -291,16 +292,16 @@ pub(crate) fn findings(verdict: &Verdict, joints: &[String], robot: Option<&Robo
                 true => String::new(),
                 false => format!(" (together with: {})", all_words(&others, joints)),
             };
-            let own = match change {
-                Change::JointScale(joint, _) if gears.is_some() => {
-                    let gear = gears.as_ref().map_or(1.0, |gears| gears[joint]);
+            let own = match (change, &gears) {
+                (Change::JointScale(joint, _), Some(gears)) => {
                     format!(
-                        "{own} (that is the gear of {gear} which its motor has in the robot's file: the log has the motor's torque or \
-                         control; {BEFORE_GEARS} in a dataset)"
+                        "{own} (that is the gear of {} which its motor has in the robot's file: the log has the motor's torque or \
+                         control; {BEFORE_GEARS} in a dataset)",
+                        gears[joint]
                     )
                 }
-                Change::JointScale(..) if joints.len() > 1 => format!("{own} ({FACTOR_OF_ONE}{OR_COUPLED})"),
-                Change::JointScale(..) => format!("{own} ({FACTOR_OF_ONE})"),
+                (Change::JointScale(..), None) if joints.len() > 1 => format!("{own} ({FACTOR_OF_ONE}{OR_COUPLED})"),
+                (Change::JointScale(..), None) => format!("{own} ({FACTOR_OF_ONE})"),
                 _ => own,
             };
             let text = match (change, rivals.is_empty()) {

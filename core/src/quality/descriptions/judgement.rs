@@ -98,8 +98,7 @@ fn changed(views: &[&View], robot: Option<&Robot>, tilt: &mut Option<Vector3<f64
     let gravity = robot.map_or(Vector3::zeros(), |robot| robot.gravity);
     let start = Description::as_given(dof, gravity);
     let seconds: f64 = views.iter().map(|view| lasts(view.log.samples(), view.period)).sum();
-    // Placeholders describe no bodies.
-    let bodies = robot.filter(|robot| robot.placeholders().is_none()).and_then(Physics::bodies);
+    let bodies = robot.and_then(Physics::described);
     // Another arm is described by other motions, as other joints or zeros: the described bodies must be those of the torques then.
     let alike = |found: &Found| {
         let under = |bodies: &Physics| Tried::new(bodies, &rows, found.best.description.clone());

@@ -122,8 +122,7 @@ pub fn examine_together(logs: &[&Sieved], robot: Option<&Robot>) -> Result<Toget
         let has_scale = verdict.as_ref().is_some_and(|verdict| !verdict.factors.is_empty());
         let description = verdict.as_ref().map(|verdict| &verdict.description);
         // Logs of one recorder of which some are in another unit by themselves are not compared with bodies together.
-        let positions = |report: &Report| report.units.positions.clone();
-        let in_one_unit = reports.windows(2).all(|pair| positions(&pair[0]) == positions(&pair[1]));
+        let in_one_unit = reports.windows(2).all(|pair| pair[0].units.positions == pair[1].units.positions);
         let is_asked = !has_scale && in_one_unit;
         let finding = is_asked.then(|| descriptions::of_another_robot(&all, robot, description)).flatten();
         // What spoils motion or torque is a cause by itself.

@@ -119,6 +119,11 @@ impl Physics {
         (possible && mass > 0.0).then(|| Physics::Bodies(Box::new(robot.clone())))
     }
 
+    /// The same of a description that is no placeholder, which describes no bodies.
+    pub(crate) fn described(robot: &Robot) -> Option<Physics> {
+        Some(robot).filter(|robot| robot.placeholders().is_none()).and_then(Physics::bodies)
+    }
+
     /// The bodies as described, each as heavy as the logs have it.
     pub(crate) fn masses(robot: &Robot) -> Option<Physics> {
         Physics::bodies(robot).map(|_| Physics::Masses(Box::new(robot.clone())))
@@ -187,23 +192,17 @@ impl Physics {
                 };
                 columns.iter().enumerate().map(of).collect()
             }
-            Physics::Bodies(_) => {
+            Physics::Bodies(_) | Physics::Sprung(..) => {
                 nonnegative.resize(dof, true);
-                (0..dof).map(|joint| (vec![joint], vec![motion.qdd.channel(joint).to_vec()])).collect()
-            }
-            Physics::Sprung(_, sprung) => {
-                nonnegative.resize(dof, true);
-                let of_position = position_columns(motion.q.channel(*sprung));
-                let places = dof..dof + of_position.len();
-                nonnegative.resize(places.end, false);
-                let of = |joint: usize| {
-                    let rotor = (vec![joint], vec![motion.qdd.channel(joint).to_vec()]);
-                    match joint == *sprung {
-                        true => (places.clone().chain(rotor.0).collect(), [of_position.clone(), rotor.1].concat()),
-                        false => rotor,
-                    }
-                };
-                (0..dof).map(of).collect()
+                let rotor = |joint: usize| (vec![joint], vec![motion.qdd.channel(joint).to_vec()]);
+                let mut joints: Vec<(Vec<usize>, Vec<Vec<f64>>)> = (0..dof).map(rotor).collect();
+                if let Physics::Sprung(_, sprung) = self {
+                    let (places, columns) = &mut joints[*sprung];
+                    columns.extend(position_columns(motion.q.channel(*sprung)));
+                    places.extend(dof..dof + columns.len() - 1);
+                    nonnegative.resize(dof + columns.len() - 1, false);
+                }
+                joints
             }
             Physics::Masses(robot) => {
                 let bodies = robot.bodies();

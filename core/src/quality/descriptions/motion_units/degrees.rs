@@ -8,11 +8,11 @@ use super::super::compare::{EXPLAINED, compare};
 use super::super::fitting::{Fit, Physics, Rows};
 use super::super::shares::WRONG_MASSES;
 use super::super::tried::Tried;
-use super::scaled::scaled_motion;
+use super::scaled::{of_turning, scaled_motion};
 use crate::error::Result;
 use crate::quality::view::View;
 use crate::recording::Recording;
-use crate::robot::{JointKind, Robot};
+use crate::robot::Robot;
 
 /// Described bodies leave no more than so many times what free ones do: those whose torques hardly change over a motion 57 times smaller
 /// leave all that changes.
@@ -30,9 +30,7 @@ const CONSTANT: f64 = 0.5;
 /// # Errors
 /// Those of the filters.
 pub(crate) fn are_degrees(log: &Recording, robot: &Robot) -> Result<bool> {
-    let Some(bodies) = robot.placeholders().is_none().then(|| Physics::bodies(robot)).flatten() else {
-        return Ok(false);
-    };
+    let Some(bodies) = Physics::described(robot) else { return Ok(false) };
     let Some(rows) = Rows::new(&[&View::new(log, Some(robot))?], Some(robot)) else { return Ok(false) };
     Ok(explain_in_degrees(robot, &bodies, rows).unwrap_or(false))
 }
@@ -44,12 +42,7 @@ fn explain_in_degrees(robot: &Robot, bodies: &Physics, mut rows: Rows) -> Option
     if before.share() < WRONG_MASSES {
         return Some(false);
     }
-    let unit = |joint: usize| match robot.joints[joint].kind {
-        JointKind::Revolute => 1f64.to_radians(),
-        JointKind::Prismatic => 1.0,
-    };
-    let factors: Vec<f64> = (0..robot.dof()).map(unit).collect();
-    rows.motion = scaled_motion(&rows.motion, &factors);
+    rows.motion = scaled_motion(&rows.motion, &of_turning(robot, 1f64.to_radians()));
     let after = under(bodies, &rows)?;
     let free = under(&Physics::free(robot), &rows)?.share();
     if after.share() >= WRONG_MASSES || after.share() > LITTLE.max(LIKE_FREE * free) {

@@ -4,7 +4,7 @@ use super::super::change::Description;
 use super::super::compare::{EXPLAINED, compare};
 use super::super::fitting::{Physics, Rows};
 use super::super::tried::Tried;
-use super::scaled::{scaled, scaled_motion};
+use super::scaled::{of_turning, scaled, scaled_motion};
 use crate::error::Result;
 use crate::quality::view::View;
 use crate::recording::Recording;
@@ -29,10 +29,8 @@ pub(crate) fn are_turns(log: &Recording, robot: &Robot) -> Result<bool> {
     if !(0..robot.dof()).all(fits) || !(0..robot.dof()).any(turns) {
         return Ok(false);
     }
-    let by =
-        |factor: f64| -> Vec<f64> { (0..robot.dof()).map(|joint| if turns(joint) { factor } else { 1.0 }).collect() };
-    let converted = Recording { q: scaled(&log.q, &by(TAU)), ..log.clone() };
-    explains_better(&converted, robot, &by(1.0 / TAU))
+    let converted = Recording { q: scaled(&log.q, &of_turning(robot, TAU)), ..log.clone() };
+    explains_better(&converted, robot, &of_turning(robot, 1.0 / TAU))
 }
 
 /// Whether free bodies explain the torques clearly better with the positions of a log than with those that are so many times larger.

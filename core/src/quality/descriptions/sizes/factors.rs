@@ -12,7 +12,7 @@ use super::super::tried::Tried;
 use super::scale::{BOUNDED, PLAUSIBLE, STEP, best, between, differ, merit, spread, without_load};
 
 /// Factors below it are not reported: torque constants, gears and described bodies differ from those of files by up to a factor of two.
-const REPORTED: f64 = 2.0;
+pub(crate) const REPORTED: f64 = 2.0;
 
 /// Factors up to so many times larger and smaller are tried: gears have up to 300, and units 1000.
 const WIDEST: f64 = 2000.0;

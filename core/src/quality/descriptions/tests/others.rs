@@ -6,8 +6,7 @@ use crate::quality::Severity;
 /// What is found about the robot as a whole.
 fn doubts(log: &Sieved, robot: &Robot) -> Vec<(Kind, Severity)> {
     let report = examine_together(&[log], Some(robot)).unwrap().reports.remove(0);
-    let of_robot = |kind: Kind| matches!(kind, Kind::OtherRobot | Kind::NothingExplains);
-    report.findings.iter().filter(|own| of_robot(own.kind)).map(|own| (own.kind, own.severity)).collect()
+    report.findings.iter().filter(|own| own.kind.is_another_robot()).map(|own| (own.kind, own.severity)).collect()
 }
 
 /// Masses that are placeholders are doubted, and bodies on the joints explain the torques all the same, whatever the arm does besides.

@@ -30,8 +30,10 @@ pub(super) const DAMPING_TIME_S: f64 = 1e-3;
 /// 600 rad/s, which the default plant step still follows.
 pub(super) const STIFF: f64 = 600.0 * 600.0;
 
-/// Runge-Kutta steps between two samples of [`Gear::follow`].
-const SUBSTEPS: usize = 8;
+/// Runge-Kutta steps of [`Gear::follow`]: no longer than this, s, a sixth of a radian of the swing on a gear of [`STIFF`], and no more of
+/// them between two samples.
+const STEP_S: f64 = 2.8e-4;
+const MOST_STEPS: usize = 32;
 
 impl Gear {
     /// Two gears in series.
@@ -64,7 +66,8 @@ impl Gear {
     /// it moved with the motor and has the inertia `inertia` (kg m2) about the joint: inertia d2 twist/dt2 = load - torque
     /// of the gear. Starts at rest under the first load.
     pub fn follow(&self, load: &[f64], inertia: &[f64], period: f64) -> [Vec<f64>; 3] {
-        let step = period / SUBSTEPS as f64;
+        let steps = ((period / STEP_S).ceil() as usize).clamp(1, MOST_STEPS);
+        let step = period / steps as f64;
         let mut twist = load.first().map_or(0.0, |&first| self.twist(first));
         let mut rate = 0.0;
         let mut path = [(); 3].map(|()| Vec::with_capacity(load.len()));
@@ -77,8 +80,8 @@ impl Gear {
             for (values, value) in path.iter_mut().zip([twist, rate, acceleration(0.0, twist, rate)]) {
                 values.push(value);
             }
-            for k in 0..SUBSTEPS {
-                let at = |part: f64| (k as f64 + part) / SUBSTEPS as f64;
+            for k in 0..steps {
+                let at = |part: f64| (k as f64 + part) / steps as f64;
                 let (v1, a1) = (rate, acceleration(at(0.0), twist, rate));
                 let (v2, a2) =
                     (rate + 0.5 * step * a1, acceleration(at(0.5), twist + 0.5 * step * v1, rate + 0.5 * step * a1));

@@ -20,6 +20,11 @@ const SLOWEST_SWING_HZ: f64 = 1.5;
 /// Highest cut-off of that low-pass over the sample rate; a link that swings faster needs none.
 const FILTER_SHARE: f64 = 0.45;
 
+/// Cut-off of the positions along which play is followed, Hz, and its largest share of the sample rate. Teeth meet within milliseconds, and
+/// smoother positions show that too early; in accelerations of positions as measured the encoder's noise throws a link through its play.
+const SHARP_HZ: f64 = 60.0;
+const SHARP_SHARE: f64 = 0.4;
+
 /// Places of the motion at which a link's inertia about its joint is looked up.
 const PLACES: usize = 10;
 
@@ -28,11 +33,11 @@ pub(crate) trait GearTrain {
     /// Motion of the motors, smooth.
     fn motors(&self) -> &Motion;
 
-    /// The same without smoothing, under which impacts of teeth would come too early.
+    /// The same hardly smoothed ([`sharp`]).
     ///
     /// # Errors
-    /// If the log is too short to differentiate.
-    fn measured(&self) -> Result<Cow<'_, Motion>>;
+    /// If the log is too short for the filter.
+    fn sharp(&self) -> Result<Cow<'_, Motion>>;
 
     /// Time between two samples, s.
     fn period(&self) -> f64;
@@ -50,15 +55,20 @@ pub(crate) trait GearTrain {
     fn smoothed(&self, joint: usize, signal: &[f64]) -> Result<Vec<f64>>;
 }
 
-/// The motion with positions as measured and their central differences.
+/// The motion along which play is followed, from positions as measured.
 ///
 /// # Errors
-/// If there are too few samples to differentiate.
-pub(crate) fn unsmoothed(q: &Channels, period: f64) -> Result<Motion> {
-    let mut motion = Motion { q: q.clone(), qd: q.clone(), qdd: q.clone() };
+/// If there are too few samples for the filter.
+pub(crate) fn sharp(measured: &Channels, period: f64) -> Result<Motion> {
+    let low_pass = ZeroPhaseLowPass::new(SWING_ORDER, SHARP_HZ.min(SHARP_SHARE / period), 1.0 / period)?;
+    let mut q = measured.clone();
+    for joint in 0..q.channels() {
+        low_pass.apply_in_place(q.channel_mut(joint))?;
+    }
+    let mut motion = Motion { q: q.clone(), qd: q.clone(), qdd: q };
     for joint in 0..motion.joints() {
-        first_derivative(q.channel(joint), period, motion.qd.channel_mut(joint))?;
-        second_derivative(q.channel(joint), period, motion.qdd.channel_mut(joint))?;
+        first_derivative(motion.q.channel(joint), period, motion.qd.channel_mut(joint))?;
+        second_derivative(motion.q.channel(joint), period, motion.qdd.channel_mut(joint))?;
     }
     Ok(motion)
 }
@@ -121,10 +131,11 @@ fn put_behind(motion: &mut Motion, joint: usize, twist: Vec<f64>, period: f64) -
 }
 
 /// Twist of a gear with play: the link falls from flank to flank, which no steady state describes, so its motion is followed in time,
-/// along the motion as measured: following integrates twice, which takes care of the noise. The twist is smoothed like the positions. A
+/// along a motion that is hardly smoothed: following integrates twice, which takes care of most noise. The twist is smoothed like the
+/// positions. A
 /// gear without a compliance of its own is followed with a stiff one, whose share of the twist is taken off.
 fn play(train: &impl GearTrain, joint: usize, gear: Gear) -> Result<Vec<f64>> {
-    let sharp = train.measured()?;
+    let sharp = train.sharp()?;
     let [load, inertia] = load_and_inertia(train, joint, sharp.into_owned());
     let rotor = match train.rotor(joint) {
         rotor if rotor > 0.0 => rotor,
@@ -160,4 +171,26 @@ fn below_swing(train: &impl GearTrain, joint: usize, gear: Gear) -> Result<Optio
     let hz = (BELOW_SWING * swing_hz).max(SLOWEST_SWING_HZ);
     let rate_hz = 1.0 / train.period();
     (hz < FILTER_SHARE * rate_hz).then(|| ZeroPhaseLowPass::new(SWING_ORDER, hz, rate_hz)).transpose()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Steps of 25 urad at 500 Hz are accelerations of 5 rad/s2 as measured, which throw a link through a play within milliseconds.
+    #[test]
+    fn steps_of_an_encoder_are_no_accelerations() {
+        let (step, period) = (2.5e-5, 0.002);
+        let motion = |k: u32| 0.3 * (2.0 * f64::from(k) * period).sin();
+        let q = Channels::from_vectors(&[(0..5_000).map(|k| (motion(k) / step).round() * step).collect()]);
+        let hardly = sharp(&q, period).unwrap();
+        let error = |k: usize| hardly.qdd.channel(0)[k] + 4.0 * motion(k as u32);
+        let largest = (500..4_500).map(|k| error(k).abs()).fold(0.0, f64::max);
+        assert!(largest < 0.6, "{largest}");
+        // A jerk of 20 ms is still one.
+        let jerk = |k: u32| 1e-3 * (-0.5 * ((f64::from(k) * period - 5.0) / 0.01).powi(2)).exp();
+        let q = Channels::from_vectors(&[(0..5_000).map(jerk).collect()]);
+        let peak = sharp(&q, period).unwrap().q.channel(0)[2_500];
+        assert!(peak > 0.9e-3, "{peak}");
+    }
 }

@@ -11,6 +11,10 @@ const ALONE: usize = 10;
 const ONE_OF_SEVERAL: usize = 6;
 const REACH: f64 = 30.0;
 
+/// Points of an angle over a turn, and of a shape on which the form of the torque hardly depends.
+const ANGLES: usize = 30;
+const GENTLE: usize = 2;
+
 /// Shares of the largest logged torque at which it may be cut off: noise alone exceeds the level.
 const CUT_OFF: [f64; 6] = [0.99, 0.96, 0.92, 0.87, 0.8, 0.7];
 
@@ -28,7 +32,11 @@ const APART: f64 = 0.3;
 /// how far they wind up under the largest torque of their joint, rad: gears of a base and of a hand differ by orders of magnitude
 /// in all but that.
 const TIMES: [f64; 7] = [0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0];
-const TWISTS: [f64; 6] = [1e-4, 4e-4, 1.6e-3, 6.4e-3, 2.5e-2, 0.1];
+const TWISTS: [f64; 7] = [2e-4, 5e-4, 1.25e-3, 3.1e-3, 7.8e-3, 2e-2, 5e-2];
+
+/// Sizes of a gear's play, as multiples of the typical one: the time of flight through it grows by a quarter from one to the next, and
+/// torque that comes half a swing too late is torque of the other sign.
+const GAPS: [f64; 6] = [0.25, 0.5, 1.0, 2.0, 4.0, 8.0];
 
 /// Highest harmonic of a ripple that is looked for whatever the speed, the highest of all (twice per turn of the wave generator of a strain
 /// wave gear of 160 to 1), and the narrowest step.
@@ -109,7 +117,7 @@ impl Extent {
         let parameter = &effect.parameters()[index];
         match effect.search(index) {
             Search::Level => CUT_OFF.iter().map(|share| share * self.torque).filter(|level| *level > 0.0).collect(),
-            Search::Shift | Search::Compliance => {
+            Search::Shift | Search::Compliance | Search::Gap => {
                 let sizes = self.sizes(effect, index);
                 let both = sizes.iter().map(|size| -size).chain(sizes.iter().copied());
                 both.filter(|size| (parameter.lower..=parameter.upper).contains(size)).collect()
@@ -127,6 +135,7 @@ impl Extent {
                 TWISTS.iter().map(|twist| (twist / self.torque).min(parameter.upper)).collect()
             }
             Search::Compliance => Vec::new(),
+            Search::Gap => GAPS.iter().map(|multiple| multiple * parameter.typical).collect(),
             _ => TIMES.iter().map(|multiple| multiple * parameter.typical.abs()).collect(),
         }
     }
@@ -161,7 +170,12 @@ impl Extent {
             let higher = upwards(low.max(ALWAYS_HARMONIC) + coarse, coarse).take_while(|order| *order <= highest);
             return always.chain(higher).collect();
         }
-        let points = if alone { ALONE } else { ONE_OF_SEVERAL };
+        let points = match effect.search(index) {
+            Search::Angle => ANGLES,
+            Search::Gentle => GENTLE,
+            _ if alone => ALONE,
+            _ => ONE_OF_SEVERAL,
+        };
         if effect.search(index) != Search::Position && varies_by_factors(low, high) {
             let (low, high) = (low.max(parameter.typical / REACH), high.min(parameter.typical * REACH));
             return (0..points).map(|k| low * (high / low).powf(k as f64 / (points - 1) as f64)).collect();
@@ -264,11 +278,11 @@ mod tests {
 
     #[test]
     fn compliances_are_those_of_the_joint() {
-        // A gear that winds up by 0.1 rad under 500 N m, and one under 0.5 N m.
+        // A gear that winds up by 0.05 rad under 500 N m, and one under 0.5 N m.
         let elasticity = find("joint_elasticity").unwrap();
         for torque in [500.0, 0.5] {
             let sizes = Extent { torque, ..extent() }.sizes(elasticity, 0);
-            assert!((sizes[0] * torque - 1e-4).abs() < 1e-12 && (sizes.last().unwrap() * torque - 0.1).abs() < 1e-12);
+            assert!((sizes[0] * torque - 2e-4).abs() < 1e-12 && (sizes.last().unwrap() * torque - 0.05).abs() < 1e-12);
         }
         assert!(Extent { torque: 0.0, ..extent() }.sizes(elasticity, 0).is_empty());
     }

@@ -26,7 +26,7 @@ pub(super) fn refined_gravity(model: &Model, input: &Input, options: &Options) -
     let asked = LIBRARY.iter().map(|effect| Placed::typical(*effect, 0)).filter(is_asked);
     let names: Vec<String> = asked.map(|placed| placed.effect.about().name.to_owned()).collect();
     let train = &session.logs.train;
-    let candidates = all_candidates(&session.model.arm, &train.rows, options.trust, &names)?;
+    let candidates = all_candidates(&session.model.arm, &train.rows, session.model.asked(&names))?;
     let (constant, tilts): (Vec<Candidate>, Vec<Candidate>) =
         candidates.into_iter().partition(|candidate| candidate.placed.effect.is_constant());
     let constant = constant.iter().flat_map(|candidate| candidate.columns.iter());

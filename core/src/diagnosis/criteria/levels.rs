@@ -82,6 +82,13 @@ impl Levels {
     pub(crate) fn significant_std(&self) -> f64 {
         Normal::standard().inverse_cdf(1.0 - 0.5 * self.usual_p)
     }
+
+    /// Factor on the power of an encoder's noise from which motion is clear of it for shifts in time. A position controller answers to the
+    /// noise too, and its torque goes with the position's rate as that of a shift does with the jerk: where the noise is a share of a
+    /// motion, the shift is off by that share of the controller's time constant, which is tens of milliseconds.
+    pub(crate) fn clear(&self) -> f64 {
+        self.stands_out / self.minor
+    }
 }
 
 #[cfg(test)]

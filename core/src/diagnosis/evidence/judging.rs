@@ -1,7 +1,7 @@
 //! Judging candidates: score test, whether the estimate can be, and the shapes at which the test is largest.
 
 use crate::diagnosis::criteria::Judgement;
-use crate::diagnosis::model::{Candidate, Member, Moved, Session, extent, is_level, linear, prior, shapes};
+use crate::diagnosis::model::{Candidate, Member, Moved, Session, extent, is_gap, is_level, linear, prior, shapes};
 use crate::diagnosis::noise::Whitener;
 use crate::diagnosis::regression::{Column, Projection, Test};
 use crate::effects::{Parameter, Placed, Role, as_size, moved};
@@ -135,7 +135,8 @@ impl Session<'_> {
         let effect = start.candidate.placed.effect;
         let (log, joint) = (start.candidate.log, start.candidate.placed.joint);
         let mut best = start;
-        let shapes = shapes(effect);
+        let gaps = linear(effect).into_iter().filter(|index| is_gap(effect, *index));
+        let shapes: Vec<usize> = shapes(effect).into_iter().chain(gaps).collect();
         let extent = extent(&self.logs.train.rows, joint);
         let mut share = 0.25;
         for _ in 0..HALVINGS {
@@ -160,7 +161,8 @@ impl Session<'_> {
                 break;
             }
         }
-        let departs = linear(effect).iter().any(|&k| effect.parameters()[k].role == Role::Departure);
+        let departs =
+            linear(effect).iter().any(|&k| effect.parameters()[k].role == Role::Departure && !is_gap(effect, k));
         for _ in 0..if departs && !is_level(effect) { SECANTS } else { 0 } {
             let mut placed = best.candidate.placed.clone();
             for (&index, &value) in linear(effect).iter().zip(&best.test.values) {

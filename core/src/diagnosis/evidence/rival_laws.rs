@@ -16,7 +16,7 @@ impl Session<'_> {
     pub(crate) fn best_gains(&self, nature: Nature, whitener: &Whitener, fit: &Projection) -> Result<Vec<f64>> {
         let of_nature = LIBRARY.iter().map(|effect| effect.about()).filter(|about| about.nature == nature);
         let names: Vec<String> = of_nature.map(|about| about.name.to_owned()).collect();
-        let candidates = all_candidates(&self.model.arm, &self.logs.train.rows, self.model.trust, &names)?;
+        let candidates = all_candidates(&self.model.arm, &self.logs.train.rows, self.model.asked(&names))?;
         let judged: Vec<Judged> =
             candidates.par_iter().filter_map(|candidate| self.judge(candidate, whitener, fit)).collect();
         let of_joint = |joint: usize| -> Result<f64> {

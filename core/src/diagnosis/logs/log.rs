@@ -4,7 +4,7 @@ use super::cutoffs::{clear_of_noise, mostly_noise};
 use crate::channels::Channels;
 use crate::diagnosis::criteria::Levels;
 use crate::dynamics::Motion;
-use crate::effects::{BySample, Placed, behind_encoder, unsmoothed};
+use crate::effects::{BySample, Placed, behind_encoder, sharp};
 use crate::error::Result;
 use crate::identification::low_passed::{ORDER, block, differentiated, low_passed};
 use crate::recording::Recording;
@@ -49,10 +49,12 @@ pub struct Log {
     measured: Channels,
     /// Factor on the encoder's noise from which it is motion ([`Levels::stands_out`]).
     stands_out: f64,
+    /// The same from which that noise shifts nothing in time ([`Levels::clear`]).
+    clear_from: f64,
     /// [`Log::clear`], once it has been computed.
     clear: OnceLock<Motion>,
-    /// [`Log::unsmoothed`], once it has been computed.
-    unsmoothed: OnceLock<Motion>,
+    /// [`Log::sharp`], once it has been computed.
+    sharp: OnceLock<Motion>,
     /// [`Log::noise_from_hz`], once it has been computed.
     noise_from_hz: OnceLock<Vec<f64>>,
     /// [`Log::by_sample`], once it has been worked out.
@@ -94,8 +96,9 @@ impl Log {
             noisy: vec![false; recording.joints()],
             measured: recording.q.clone(),
             stands_out: levels.stands_out,
+            clear_from: levels.clear(),
             clear: OnceLock::new(),
-            unsmoothed: OnceLock::new(),
+            sharp: OnceLock::new(),
             noise_from_hz: OnceLock::new(),
             by_sample: OnceLock::new(),
         })
@@ -148,7 +151,7 @@ impl Log {
         let mut clear = self.motion.clone();
         let (rate_hz, last) = (1.0 / self.period, self.time.len() - 1);
         for joint in 0..clear.joints() {
-            let hz = clear_of_noise(self.measured.channel(joint), rate_hz, self.stands_out)?;
+            let hz = clear_of_noise(self.measured.channel(joint), rate_hz, self.clear_from)?;
             let slow = clear.qdd.channel_mut(joint);
             ZeroPhaseLowPass::new(ORDER, hz, rate_hz)?.apply_in_place(slow)?;
             for (sample, (slow, all)) in slow.iter_mut().zip(self.motion.qdd.channel(joint)).enumerate() {
@@ -160,16 +163,16 @@ impl Log {
         Ok(self.clear.get_or_init(|| clear))
     }
 
-    /// The motion with positions as measured and their central differences.
+    /// The motion hardly smoothed, along which play is followed.
     ///
     /// # Errors
-    /// If there are too few samples to differentiate.
-    pub fn unsmoothed(&self) -> Result<&Motion> {
-        if let Some(unsmoothed) = self.unsmoothed.get() {
-            return Ok(unsmoothed);
+    /// If there are too few samples for the filter.
+    pub fn sharp(&self) -> Result<&Motion> {
+        if let Some(sharp) = self.sharp.get() {
+            return Ok(sharp);
         }
-        let motion = unsmoothed(&self.measured, self.period)?;
-        Ok(self.unsmoothed.get_or_init(|| motion))
+        let motion = sharp(&self.measured, self.period)?;
+        Ok(self.sharp.get_or_init(|| motion))
     }
 
     /// The frequency above which the measured position of each joint is mostly noise, Hz.

@@ -239,13 +239,23 @@ impl Arm {
             arm: self,
             motors: &log.motion,
             period: log.period,
-            measured: Box::new(|| Ok(Cow::Borrowed(log.unsmoothed()?))),
+            sharp: Box::new(|| Ok(Cow::Borrowed(log.sharp()?))),
             smoothed: Box::new(|joint, signal| {
                 let mut smooth = signal.to_vec();
                 log.low_pass[joint].apply_in_place(&mut smooth)?;
                 Ok(smooth)
             }),
         }
+    }
+
+    /// Torque along a log with the gear of one joint that gives way.
+    #[cfg(test)]
+    pub(crate) fn torque_with(&self, joint: usize, gear: Gear, log: &Log) -> Channels {
+        let carried = self.load(&log.motion);
+        let mut torque = self.torque(&log.motion, &log.motion);
+        let change = self.behind_gear(joint, gear, log, &carried).unwrap();
+        torque.as_mut_slice().iter_mut().zip(change.as_slice()).for_each(|(torque, change)| *torque += change);
+        torque
     }
 
     /// Change of the torque that the gears carry, which is `carried` behind stiff ones, by one that gives way. Rotors and friction are on

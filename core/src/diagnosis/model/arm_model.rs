@@ -2,7 +2,7 @@
 
 use super::arm_columns::Moved;
 use super::blocks::ParameterBlocks;
-use super::candidates::Candidate;
+use super::candidates::{Asked, Candidate};
 use super::data_set::DataSet;
 use super::known::Known;
 use super::member::Member;
@@ -65,6 +65,11 @@ impl ArmModel<'_> {
     /// Places of the parameters with `members`, in the order of [`ArmModel::columns`].
     pub(crate) fn blocks(&self, data: &DataSet, members: &[Member]) -> ParameterBlocks {
         ParameterBlocks::new(data.baseline.len(), data.known, members)
+    }
+
+    /// Candidates of the effects with the names `only`, of all where there are none.
+    pub(crate) fn asked<'b>(&'b self, only: &'b [String]) -> Asked<'b> {
+        Asked { trust: self.trust, only, open_play: &self.open_play }
     }
 
     /// Regressor along a data set: columns of the baseline, then of every effect its own and the derivatives to its shapes.

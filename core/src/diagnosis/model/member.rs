@@ -1,7 +1,7 @@
 //! An effect in the model.
 
 use super::candidates::Candidate;
-use super::roles::{bounded, is_level, linear, shapes};
+use super::roles::{bounded, is_gap, is_level, linear, shapes};
 use crate::diagnosis::criteria::Levels;
 use crate::effects::{Placed, Role};
 
@@ -84,7 +84,8 @@ impl Member {
         for (index, &estimate) in linear(effect).into_iter().zip(&self.factors) {
             let parameter = &effect.parameters()[index];
             let size = bounded(parameter, estimate);
-            if parameter.role == Role::Departure && !is_level(effect) && size.abs() > SMALL * parameter.typical.abs() {
+            let stays = is_level(effect) || is_gap(effect, index);
+            if parameter.role == Role::Departure && !stays && size.abs() > SMALL * parameter.typical.abs() {
                 self.candidate.placed.parameters[index] = size;
             }
         }

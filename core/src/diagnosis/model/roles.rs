@@ -19,10 +19,16 @@ pub fn is_level(effect: &dyn Effect) -> bool {
     effect.about().nature == Nature::Level
 }
 
-/// Whether the torque of a departure is not straight in it: times by which signals are moved, and the compliance of gears, on
-/// which links swing.
+/// Whether the torque of a departure is not straight in it: times by which signals are moved, the compliance of gears, on which links
+/// swing, and their play.
 pub(crate) fn bends(effect: &dyn Effect, index: usize) -> bool {
-    matches!(effect.search(index), Search::Shift | Search::Compliance)
+    matches!(effect.search(index), Search::Shift | Search::Compliance) || is_gap(effect, index)
+}
+
+/// Whether a departure is the play of a gear: its size decides when the teeth meet. Torque taken at the wrong moment is none of it, so that
+/// the size is where the test is largest, and repeated estimates at the last estimate do not lead there.
+pub(crate) fn is_gap(effect: &dyn Effect, index: usize) -> bool {
+    effect.search(index) == Search::Gap
 }
 
 /// A value within the bounds of its parameter.

@@ -63,6 +63,11 @@ impl<'a> HeldFit<'a> {
         self.blocks.members[member].amplitudes.clone()
     }
 
+    /// Torque of a member as found along the training logs.
+    pub(super) fn torque(&self, member: usize) -> &Column {
+        &self.train[self.torques.start + member]
+    }
+
     /// Residuals along the training and the held-out logs of the model with the members at `kept`, fitted as all models are
     /// ([`Session::solved`]).
     pub(super) fn residuals(&self, kept: &[usize]) -> [Column; 2] {

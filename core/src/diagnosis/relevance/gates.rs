@@ -3,7 +3,7 @@
 use super::fit::HeldFit;
 use crate::diagnosis::criteria::{Criteria, Gate, Judgement, Levels};
 use crate::diagnosis::evidence::Gains;
-use crate::diagnosis::model::{Member, Session, is_level};
+use crate::diagnosis::model::{Member, Session, is_level, is_shift};
 use crate::diagnosis::noise::Whitener;
 use crate::diagnosis::regression::{Column, rms};
 use crate::diagnosis::variance::{gain_over_generic_functions, torques};
@@ -116,8 +116,10 @@ impl<'a> Judge<'a> {
             size => size / self.least[joint],
         };
         let relative_size = own.iter().map(relative).fold(0.0, f64::max);
-        let mut judgements =
-            vec![self.session.believable(&member.placed), Judgement::at_least(Gate::Size, relative_size, 1.0)];
+        let mut judgements = vec![
+            self.session.believable(&member.placed, &member.std),
+            Judgement::at_least(Gate::Size, relative_size, 1.0),
+        ];
         let is_level = is_level(member.placed.effect);
         // Torque is cut off in a few rows of a few blocks, whose scatter indicates little.
         let strength = if is_level { None } else { self.fit.strength(kept, index) };
@@ -133,6 +135,9 @@ impl<'a> Judge<'a> {
             }
             judgements.push(self.on_held_out_logs(&joints, [&without[1], &with[1]]));
             judgements.push(self.on_every_joint([&without[1], &with[1]]));
+        }
+        if is_shift(member.placed.effect) && member.placed.effect.about().scope == Scope::Arm {
+            judgements.push(self.undone_by_lags(kept, index));
         }
         Judged { index, size, relative_size, judgements }
     }
@@ -160,6 +165,16 @@ impl<'a> Judge<'a> {
         let [baseline, new] = [&self.baseline, after].map(|residual| rms(valid, residual));
         let factors = self.growing_joints([before, after]).map(|joint| new[joint] / baseline[joint]);
         predicts_every_joint(factors.fold(1.0, f64::max), &self.session.criteria)
+    }
+
+    /// Share of the joints on which the lags of single joints undo most of a shift of all torques: what is left of it is on the others.
+    fn undone_by_lags(&self, kept: &[usize], index: usize) -> Judgement {
+        let own = self.fit.torque(kept[index]);
+        let mut together = own.clone();
+        let lags = kept.iter().filter(|&&other| other != kept[index] && is_shift(self.members[other].placed.effect));
+        lags.for_each(|&lag| together.add(1.0, self.fit.torque(lag)));
+        let [own, together] = [own, &together].map(|torque| rms(&self.session.logs.train.rows.valid, torque));
+        not_undone(&own, &together, self.session.criteria.levels.most)
     }
 
     /// Joints whose held-out residual grows from `before` to `after`, at the level [`Criteria::worse_p`] for all joints together: of six
@@ -262,6 +277,14 @@ pub(super) fn predicts_every_joint(factor: f64, criteria: &Criteria) -> Judgemen
     Judgement::at_most(Gate::EveryJoint, factor, criteria.worse())
 }
 
+/// Whether a shift with so much torque of its `own` on every joint is left on most of them `together` with lags: `most` of it on `most` joints.
+fn not_undone(own: &[f64], together: &[f64], most: f64) -> Judgement {
+    let acting: Vec<bool> =
+        own.iter().zip(together).filter(|(own, _)| **own > 0.0).map(|(own, both)| *both < most * own).collect();
+    let undone = acting.iter().filter(|undone| **undone).count();
+    Judgement::at_most(Gate::Undone, undone as f64 / acting.len().max(1) as f64, most)
+}
+
 /// Least size of a finding that matters on a joint with so much residual, noise and torque, root mean squares: a share of the torque, or of
 /// what is missing beyond the noise, which is taken for no less than the noise, and never less than the floor of that torque.
 fn least_size(residual: f64, noise: f64, torque: f64, criteria: &Criteria) -> f64 {
@@ -310,6 +333,15 @@ mod tests {
         }
         let worse = criteria.worse();
         assert!(predicts_every_joint(worse, &criteria).passed && !predicts_every_joint(worse + 1e-9, &criteria).passed);
+    }
+
+    #[test]
+    fn a_shift_that_lags_undo_on_most_joints_is_none() {
+        let passes = |together: &[f64]| not_undone(&[1.0, 2.0, 3.0, 4.0], together, 0.5).passed;
+        assert!(passes(&[0.1, 0.2, 1.6, 4.0]) && !passes(&[0.1, 0.2, 1.4, 4.0]));
+        // Where it has no torque, there is nothing to undo.
+        assert!(!not_undone(&[1.0, 1.0, 0.0], &[0.1, 0.1, 0.0], 0.5).passed);
+        assert!(not_undone(&[1.0, 1.0, 0.0], &[0.1, 1.0, 0.0], 0.5).passed);
     }
 
     #[test]

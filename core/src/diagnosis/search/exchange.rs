@@ -199,7 +199,7 @@ mod tests {
         let session = Session::new(&model, Trust::Nominal, &[&logs[0], &logs[1]], &[&logs[2]]).unwrap();
         let train = &session.logs.train;
         let names = ["link_inertia_error".to_owned()];
-        let all = all_candidates(&session.model.arm, &train.rows, Trust::Nominal, &names).unwrap();
+        let all = all_candidates(&session.model.arm, &train.rows, session.model.asked(&names)).unwrap();
         let Fit { whitener, projection } = session.fit_under(&train.baseline);
         let multiplicity = Scan::new(&session, &all, &whitener, &projection).multiplicity(&projection, &whitener, 0);
         let on = |joint: usize| {

@@ -4,7 +4,7 @@ use super::found::{Found, members};
 use crate::diagnosis::Options;
 use crate::diagnosis::evidence::Scan;
 use crate::diagnosis::model::{
-    ArmModel, Candidate, Member, PreparedLogs, Session, acts_upon_arm, all_candidates, carried_on, renewed,
+    Candidate, Member, PreparedLogs, Session, acts_upon_arm, all_candidates, carried_on, renewed,
 };
 use crate::diagnosis::noise::Whitener;
 use crate::diagnosis::regression::Projection;
@@ -27,14 +27,13 @@ pub(super) struct Round {
 }
 
 impl Round {
-    /// Fits what was `found` so far, with estimates written back, and tests all candidates against the fit.
+    /// Tests all candidates against a fit of what was found so far, whose estimates are written back.
     ///
     /// # Errors
     /// If a log is too short to differentiate.
-    pub(super) fn first(session: &mut Session, found: &mut [Found], options: &Options) -> Result<Self> {
-        let (whitener, fit) = settled(session, found)?;
-        let all =
-            all_candidates(&session.model.arm, &session.logs.train.rows, session.model.trust, &options.candidates)?;
+    pub(super) fn first(session: &Session, (whitener, fit): (Whitener, Projection), options: &Options) -> Result<Self> {
+        let asked = session.model.asked(&options.candidates);
+        let all = all_candidates(&session.model.arm, &session.logs.train.rows, asked)?;
         Ok(Self::of(session, whitener, fit, all))
     }
 
@@ -81,9 +80,8 @@ impl Round {
         options: &Options,
         rounded: &[usize],
     ) -> Result<Self> {
-        let ArmModel { arm, trust, .. } = &session.model;
-        let asked = (*trust, &options.candidates[..]);
-        let all = renewed(candidates, arm, &session.logs.train.rows, asked, rounded)?;
+        let asked = session.model.asked(&options.candidates);
+        let all = renewed(candidates, &session.model.arm, &session.logs.train.rows, asked, rounded)?;
         Ok(Self::of(session, whitener, fit, all))
     }
 

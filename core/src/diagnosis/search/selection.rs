@@ -9,7 +9,7 @@ use super::events::held_by_noise;
 use super::found::{Found, Rejected, explained_by_play, in_the_end, members};
 use super::pairs::simpler_pairs;
 use super::parsimony::chosen;
-use super::play::rattling_gears;
+use super::play::{rattling_gears, rotors_behind_play};
 use super::reselection::reselect;
 use super::round::{Round, settled};
 use crate::diagnosis::Options;
@@ -58,17 +58,19 @@ pub(crate) struct Selection {
 pub(crate) fn select(session: &mut Session, options: &Options, watch: &mut Watch) -> Result<Selection> {
     let mut found: Vec<Found> = Vec::new();
     let mut rejected: Vec<Rejected> = Vec::new();
-    let mut round = Round::first(session, &mut found, options)?;
+    let mut fitted = settled(session, &mut found)?;
     let impacts = rattling_gears(session, options)?;
     found.extend(impacts.found);
     rejected.extend(impacts.rejected);
+    let divided = rotors_behind_play(session, &impacts.open_play, &fitted)?;
     session.leave_play_open(impacts.open_play);
     if let Some(logs) = impacts.logs {
         session.go_on_with(logs);
     }
-    if !found.is_empty() {
-        round.renew(&[], session, &mut found, options)?;
+    if divided || !found.is_empty() {
+        fitted = settled(session, &mut found)?;
     }
+    let round = Round::first(session, fitted, options)?;
     let first_whitener = round.whitener.clone();
     tracing::debug!(new = ?first_whitener.innovation_std(), rows = ?first_whitener.rows(), "noise");
     let multiplicity = round.scan.multiplicity(&round.fit, &round.whitener, options.seed);
@@ -324,7 +326,8 @@ pub(crate) fn take(session: &mut Session, given: &[Family], options: &Options, w
     let candidates = given.iter().map(|family| family.effect.to_owned()).collect();
     let options = &Options { candidates, ..options.clone() };
     let (mut found, mut left_out, mut open) = (Vec::new(), Vec::new(), given.to_vec());
-    let mut round = Round::first(session, &mut found, options)?;
+    let fitted = settled(session, &mut found)?;
+    let mut round = Round::first(session, fitted, options)?;
     let first_whitener = round.whitener.clone();
     while let Some(likeliest) = round.scan.likeliest_of(&open).filter(|_| !watch.is_over()) {
         let family = likeliest.candidate.family();

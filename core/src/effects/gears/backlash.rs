@@ -1,6 +1,6 @@
 //! Backlash: play in the gear, in which motor and link move freely of each other.
 
-use crate::effects::{About, Effect, Gear, Hidden, Limit, Nature, Parameter, Rival, Role, Scope, Site};
+use crate::effects::{About, Effect, Gear, Hidden, Limit, Nature, Parameter, Rival, Role, Scope, Search, Site};
 use crate::robot::{Robot, Unit};
 
 /// A dead zone of +- half_gap between motor and link.
@@ -67,6 +67,10 @@ impl Effect for Backlash {
 
     fn parameters(&self) -> &'static [Parameter] {
         &PARAMETERS
+    }
+
+    fn search(&self, _: usize) -> Search {
+        Search::Gap
     }
 
     fn limits(&self) -> &'static [Limit] {

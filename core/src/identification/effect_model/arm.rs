@@ -21,6 +21,9 @@ pub struct Arm {
     found: Robot,
     chain: Chain,
     trust: Trust,
+    /// What each joint's rotor has of the inertia of its link, where only their sum is determined, more than the description says, kg m2 (kg);
+    /// zero where nothing shows it.
+    to_rotors: Vec<f64>,
     /// Speed over which the dry friction of each joint changes its direction, rad/s or m/s: tanh(v / width); zero for the plain sign.
     pub coulomb_rounding: Vec<Rounding>,
 }
@@ -29,7 +32,24 @@ impl Arm {
     /// The arm before anything is identified.
     pub fn new(robot: &Robot, trust: Trust) -> Self {
         let coulomb_rounding = vec![Rounding::Sharp; robot.dof()];
-        Arm { known: robot.clone(), found: robot.clone(), chain: Chain::new(robot), trust, coulomb_rounding }
+        let to_rotors = vec![0.0; robot.dof()];
+        Arm { known: robot.clone(), found: robot.clone(), chain: Chain::new(robot), trust, to_rotors, coulomb_rounding }
+    }
+
+    /// The same with `more` of a joint's inertia in its rotor, kg m2 (kg). None where the motion or the description tells the rotor's
+    /// inertia, or one of the two would be negative.
+    pub(crate) fn with_more_in_rotor(&self, model: &Model, joint: usize, more: f64) -> Option<Self> {
+        let is_open = self.known.joints[joint].drive.armature == 0.0 && !model.rotor_stands_alone(joint);
+        let rotor = self.found.joints[joint].drive.armature + more;
+        if self.trust == Trust::Nominal || !is_open || rotor < 0.0 {
+            return None;
+        }
+        let mut arm = self.clone();
+        arm.to_rotors[joint] += more;
+        let mut standard = Model::standard_values(&arm.found);
+        move_to_rotor(model, joint, more, &mut standard);
+        arm.found = Model::with_standard_values(&arm.found, &standard);
+        Some(arm)
     }
 
     /// The same with friction that changes its direction over some speed on each joint, rad/s or m/s.
@@ -104,24 +124,18 @@ impl Arm {
     }
 
     /// Takes what a link's inertia has more than described for that of its joint's rotor, where only their sum is determined and the
-    /// description knows of no rotor: descriptions without rotors are more common than arms that have none.
+    /// description knows of no rotor: descriptions without rotors are more common than arms that have none. What impacts in a gear show of
+    /// its rotor is added.
     fn split_off_rotors(&self, model: &Model, standard: &mut [f64]) {
         let described = Model::standard_values(&self.known);
         let (kept, regrouping) = (model.base().kept(), model.base().regrouping());
-        for joint in 0..model.dof() {
+        for joint in (0..model.dof()).filter(|joint| !model.rotor_stands_alone(*joint)) {
             let (first, rotor) = (joint * STANDARD, joint * STANDARD + ROTOR);
-            if kept.contains(&rotor) || described[rotor] != 0.0 {
-                continue;
-            }
             let shares = regrouping.column(rotor);
             let own = (0..kept.len()).find(|&b| (first + MOMENTS..rotor).contains(&kept[b]) && shares[b] > 0.5);
-            let Some(own) = own else { continue };
-            let more = (standard[kept[own]] - described[kept[own]]) / shares[own];
-            if more > 0.0 {
-                standard[rotor] = more;
-                let shares = model.base().carried(shares.as_slice());
-                kept.iter().zip(shares).for_each(|(&kept, share)| standard[kept] -= share * more);
-            }
+            let more = own.map_or(0.0, |own| (standard[kept[own]] - described[kept[own]]) / shares[own]);
+            let of_rotor = if described[rotor] == 0.0 { more.max(0.0) } else { 0.0 };
+            move_to_rotor(model, joint, of_rotor + self.to_rotors[joint], standard);
         }
     }
 
@@ -203,6 +217,14 @@ impl<'s, 'a> Laws<'s, 'a> {
     }
 }
 
+/// Moves inertia from the bodies to a joint's rotor in `standard` parameters where only their sum is determined: the torque stays as it is.
+fn move_to_rotor(model: &Model, joint: usize, more: f64, standard: &mut [f64]) {
+    let rotor = joint * STANDARD + ROTOR;
+    standard[rotor] += more;
+    let shares = model.base().carried(model.base().regrouping().column(rotor).as_slice());
+    model.base().kept().iter().zip(shares).for_each(|(&kept, share)| standard[kept] -= share * more);
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -249,5 +271,42 @@ mod tests {
         tilted.gravity = nalgebra::Vector3::new(1.0, 0.5, -9.7);
         let under = |robot: &Robot| inverse_dynamics(&Chain::new(&tilted), &robot.inertial_parameters(), &motion);
         assert!(close(&under(arm.found()), &under(&robot)), "under another gravity");
+    }
+
+    /// Only the sum of link and rotor is determined on the first two joints of a 6R arm; the third turns parallel to the second.
+    #[test]
+    fn inertia_moves_to_a_rotor_where_only_the_sum_is_determined() {
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../urdf/irb1600_6_120.urdf");
+        let real = load(path, InertiaCheck::Required).unwrap();
+        let mut robot = real.clone();
+        robot.joints.iter_mut().for_each(|joint| joint.drive.armature = 0.0);
+        let model = Model::new(&robot);
+        let arm = Arm::new(&robot, Trust::Structure);
+        let wave = |order: i32| -> Vec<Vec<f64>> {
+            let at = |joint: usize, k: usize| {
+                1.7f64.powi(order) * (0.1 * k as f64 + joint as f64 + 1.57 * f64::from(order)).sin()
+            };
+            (0..6).map(|joint| (0..50).map(|k| at(joint, k)).collect()).collect()
+        };
+        let [q, qd, qdd] = [0, 1, 2].map(|order| Channels::from_vectors(&wave(order)));
+        let motion = Motion { q, qd, qdd };
+        let more = 0.2 * arm.inertia_about(1, &[0.0; 6]);
+        let divided = arm.with_more_in_rotor(&model, 1, more).unwrap();
+        let all = [&arm, &divided].map(|arm| arm.torque(&motion, &motion));
+        let largest = all[0].as_slice().iter().fold(0.0f64, |most, x| most.max(x.abs()));
+        assert!(all[0].as_slice().iter().zip(all[1].as_slice()).all(|(a, b)| (a - b).abs() < 1e-9 * largest));
+        let carried = [&arm, &divided].map(|arm| arm.load(&motion));
+        for ((a, b), acceleration) in carried[0].channel(1).iter().zip(carried[1].channel(1)).zip(motion.qdd.channel(1))
+        {
+            assert!((a - b - more * acceleration).abs() < 1e-9 * largest);
+        }
+        // A rotor has no negative inertia, one that the motion determines stays, and described bodies are as described.
+        assert!(
+            arm.with_more_in_rotor(&model, 1, -1e-3).is_none()
+                && divided.with_more_in_rotor(&model, 1, -1e-3).is_some()
+        );
+        assert!(Arm::new(&real, Trust::Structure).with_more_in_rotor(&model, 1, more).is_none());
+        assert!(arm.with_more_in_rotor(&model, 2, more).is_none());
+        assert!(Arm::new(&robot, Trust::Nominal).with_more_in_rotor(&model, 1, more).is_none());
     }
 }

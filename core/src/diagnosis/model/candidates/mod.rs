@@ -165,13 +165,25 @@ fn size(placed: &Placed, index: usize) -> f64 {
     }
 }
 
+/// Which candidates are asked for.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Asked<'a> {
+    /// Whether inertias are taken from the description, or estimated: base parameters hide some effects.
+    pub trust: Trust,
+    /// Names of the effects; all where there are none.
+    pub only: &'a [String],
+    /// Joints whose gears may have play by their impacts. On others play is looked for at its typical size.
+    pub open_play: &'a [usize],
+}
+
 /// All candidates with sound columns.
 ///
 /// # Errors
 /// If a log is too short to differentiate.
-pub(crate) fn all_candidates(arm: &Arm, rows: &Rows, trust: Trust, only: &[String]) -> Result<Vec<Candidate>> {
-    let mut all = lasting(arm, rows, trust, only)?;
-    let events = throughout(arm, rows, wanted(rows, trust, only).filter(|effect| is_event(*effect)))?;
+pub(crate) fn all_candidates(arm: &Arm, rows: &Rows, asked: Asked) -> Result<Vec<Candidate>> {
+    let of = |event: bool| wanted(rows, asked).filter(move |effect| is_event(*effect) == event);
+    let mut all = at(arm, rows, of(false), asked.open_play, |_, _| true)?;
+    let events = at(arm, rows, of(true), asked.open_play, |_, _| true)?;
     // What happens to the arm from outside happens in one log, or at the same time in all, held-out ones included.
     if !events.is_empty() {
         for (log, ends) in rows.starts.windows(2).enumerate() {
@@ -190,11 +202,6 @@ pub(crate) fn all_candidates(arm: &Arm, rows: &Rows, trust: Trust, only: &[Strin
     }
     all.extend(events);
     Ok(all)
-}
-
-/// All candidates but those that happen once.
-fn lasting(arm: &Arm, rows: &Rows, trust: Trust, only: &[String]) -> Result<Vec<Candidate>> {
-    throughout(arm, rows, wanted(rows, trust, only).filter(|effect| !is_event(*effect)))
 }
 
 /// Lasting candidates known along some rows of `length`, along the `later` rows that follow those too. Those that depend on the arm
@@ -228,17 +235,17 @@ pub(crate) fn renewed(
     mut candidates: Vec<Candidate>,
     arm: &Arm,
     rows: &Rows,
-    (trust, only): (Trust, &[String]),
+    asked: Asked,
     rounded: &[usize],
 ) -> Result<Vec<Candidate>> {
     let depends = |effect: &dyn Effect, joint: usize| depends_on_rounding(effect, joint, rounded);
     candidates.retain(|candidate| !depends(candidate.placed.effect, candidate.placed.joint));
-    candidates.extend(at(arm, rows, wanted(rows, trust, only), depends)?);
+    candidates.extend(at(arm, rows, wanted(rows, asked), asked.open_play, depends)?);
     Ok(candidates)
 }
 
 /// Effects of the library that may be there.
-fn wanted(rows: &Rows, trust: Trust, only: &[String]) -> impl Iterator<Item = &'static dyn Effect> {
+fn wanted(rows: &Rows, Asked { trust, only, .. }: Asked) -> impl Iterator<Item = &'static dyn Effect> {
     let changed = rows.of_change();
     LIBRARY
         .iter()
@@ -246,21 +253,20 @@ fn wanted(rows: &Rows, trust: Trust, only: &[String]) -> impl Iterator<Item = &'
         .filter(move |effect| is_candidate(*effect, trust, only) || (changed && is_wanted(*effect, only)))
 }
 
-/// Candidates of `effects` at all places, acting in all logs.
-fn throughout(arm: &Arm, rows: &Rows, effects: impl Iterator<Item = &'static dyn Effect>) -> Result<Vec<Candidate>> {
-    at(arm, rows, effects, |_, _| true)
-}
-
-/// The same at the joints where they are `asked` for.
+/// Candidates of `effects` at the joints where they are `asked` for, acting in all logs.
 fn at(
     arm: &Arm,
     rows: &Rows,
     effects: impl Iterator<Item = &'static dyn Effect>,
+    open_play: &[usize],
     asked: impl Fn(&dyn Effect, usize) -> bool,
 ) -> Result<Vec<Candidate>> {
     let of = |joint: usize| (extent(rows, joint), highest_harmonic(rows, joint));
     let extents: Vec<(Extent, f64)> = (0..rows.dof()).map(of).collect();
-    let grid = |effect: &'static dyn Effect, joint: usize| extents[joint].0.grid(effect, joint, extents[joint].1);
+    let grid = |effect: &'static dyn Effect, joint: usize| match effect.about().nature == Nature::Play {
+        true if !open_play.contains(&joint) => vec![Placed::typical(effect, joint)],
+        _ => extents[joint].0.grid(effect, joint, extents[joint].1),
+    };
     let placed: Vec<Placed> = effects
         .flat_map(|effect| places(effect, arm.described()).into_iter().map(move |joint| (effect, joint)))
         .filter(|&(effect, joint)| asked(effect, joint))
@@ -310,6 +316,20 @@ mod tests {
         assert!(is_candidate(find("torque_gain").unwrap(), Trust::Structure, &[]));
         assert!(!is_candidate(payload, Trust::Nominal, &["backlash".into()]));
         assert!(!is_candidate(find("coulomb_friction").unwrap(), Trust::Nominal, &[]));
+    }
+
+    #[test]
+    fn play_is_looked_for_at_many_sizes_where_impacts_leave_it_open() {
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../urdf/irb1600_6_120.urdf");
+        let robot = load(path, InertiaCheck::Required).unwrap();
+        let arm = Arm::new(&robot, Trust::Nominal);
+        let log = log(&arm, 1);
+        let rows = Rows::new(&[&log], 20.0, FEWEST_ROWS).unwrap();
+        let only = ["backlash".to_owned()];
+        let asked = Asked { trust: Trust::Structure, only: &only, open_play: &[0] };
+        let all = all_candidates(&arm, &rows, asked).unwrap();
+        let sizes = |joint: usize| all.iter().filter(|candidate| candidate.placed.joint == joint).count();
+        assert!(sizes(0) > 4 && (1..6).all(|joint| sizes(joint) <= 1), "{}", sizes(0));
     }
 
     /// Law over the library: what is not worked out anew where friction is rounded otherwise does not change there.

@@ -83,6 +83,16 @@ impl<'a> Session<'a> {
         self.state.model.rounding_gains = gains;
     }
 
+    /// Moves inertia from a joint's link to its rotor, kg m2 (kg), in the arm as known and as found.
+    pub(crate) fn move_inertia_to_rotor(&mut self, joint: usize, more: f64) {
+        let model = &mut self.state.model;
+        for arm in [&mut model.known.arm, &mut model.arm] {
+            if let Some(divided) = arm.with_more_in_rotor(model.base, joint, more) {
+                *arm = divided;
+            }
+        }
+    }
+
     /// Leaves open whether the gears of `joints` have play.
     pub(crate) fn leave_play_open(&mut self, joints: Vec<usize>) {
         self.state.model.open_play = joints;

@@ -12,7 +12,7 @@ use crate::diagnosis::model::data_set::DataSet;
 use crate::diagnosis::model::errors_in_variables::{ErrorsInVariables, Nuisances};
 use crate::diagnosis::model::member::Member;
 use crate::diagnosis::model::prepared::PreparedLogs;
-use crate::diagnosis::model::roles::{ENDS_OF_EVENT_S, is_event, is_level, is_shift, linear, shapes};
+use crate::diagnosis::model::roles::{ENDS_OF_EVENT_S, is_event, is_gap, is_level, is_shift, linear, shapes};
 use crate::diagnosis::noise::{NoiseMemory, Whitener};
 use crate::diagnosis::regression::{Column, Projection, Solved, combined};
 use crate::effects::Placed;
@@ -174,7 +174,14 @@ impl<'a> Session<'a> {
                 member.factors[k] = if is_fixed { 0.0 } else { solved.values[place] };
                 if !is_level(effect) {
                     member.placed.parameters[index] = member.factors[k];
-                    member.std[index] = if is_fixed { f64::INFINITY } else { solved.std(place) };
+                    // When teeth meet and how hard say how wide a play is, each by itself: they differ by what is not known of the gear.
+                    let size = if is_gap(effect, index) {
+                        member.candidate.placed.parameters[index]
+                    } else {
+                        solved.values[place]
+                    };
+                    let of_size = solved.std(place).hypot(size - solved.values[place]);
+                    member.std[index] = if is_fixed { f64::INFINITY } else { of_size };
                 }
             }
             for ((k, index), place) in shapes(effect).into_iter().enumerate().zip(block.shapes.clone()) {

@@ -43,7 +43,9 @@ pub(crate) fn scattered(column: &str) -> Option<Meaning> {
     }
     let (mut from, mut to, (quantity, current)) = span(&words)?;
     // Words beside the quantity that say the same of every joint.
-    let says_nothing = |word: &String| vocabulary::is_measured(word) || OF_DRIVES.contains(&word.as_str());
+    let says_nothing = |word: &String| {
+        vocabulary::is_measured(word) || [&OF_DRIVES[..], &SENSORS].iter().any(|own| own.contains(&word.as_str()))
+    };
     // Before a number alone they are the joint, `servo_1_position`.
     while to < words.len() && says_nothing(&words[to]) && !words.get(to + 1).is_some_and(|word| is_number(word)) {
         to += 1;

@@ -86,7 +86,8 @@ impl Resolver<'_> {
         // Beyond a hole, the numbers of the file are not those of the joints.
         if let Some((_, &column)) = found.range(count + 1..).next().filter(|_| gap.is_none()) {
             let known = if self.fixed { robot() } else { format!("there are positions of {count} joints") };
-            let problem = format!("a {name} too many: {known}");
+            let cure = "name the columns of these joints in a dataset: [columns] q = [..], qd = [..], tau = [..]";
+            let problem = format!("a {name} too many: {known}; {cure}");
             return Err(Error::input(self.path, self.line, &self.header[column], problem));
         }
         let Some(gap) = gap else { return Ok(found.values().copied().collect()) };

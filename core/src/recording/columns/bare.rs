@@ -1,23 +1,27 @@
-//! Columns that are called by their joint alone, `J1` or `A1 [deg]`: positions, or what their unit says.
+//! Columns that are called by their joint alone, `J1`, `A1 [deg]` or any joint of the robot: positions, or what their unit says.
 
-use super::names::{self, Joint, Meaning, POSITION, QUANTITIES, Unit};
+use super::names::{self, Joint, Meaning, POSITION, QUANTITIES, TORQUE, Unit};
 
 /// What controllers call a joint, before its number.
 const OF_JOINT: [&str; 8] = ["j", "a", "joint", "axis", "ax", "axis_a", "motor", "servo"];
+
+/// Letters of a force or torque, directly before the name of a joint.
+const OF_FORCE: [char; 4] = ['F', 'T', 'M', 'f'];
 
 /// Positions that a log has besides those of its joints, at most: that of a gripper.
 const OTHERS: usize = 1;
 
 /// All ways to understand the names of a header, and a note on columns that are taken for positions without saying so. A joint's
 /// name alone counts where the joints have no other positions.
-pub(super) fn meanings(header: &[String]) -> (Vec<Vec<Meaning>>, Option<String>) {
+pub(super) fn meanings(header: &[String], known: &[String]) -> (Vec<Vec<Meaning>>, Option<String>) {
     let mut all: Vec<Vec<Meaning>> = header.iter().map(|name| names::meanings(name)).collect();
     let measured = |meaning: &&Meaning| !meaning.truth && !meaning.exact_only && meaning.quantity == POSITION;
-    let known = all.iter().filter(|readings| readings.first().as_ref().is_some_and(measured)).count();
-    let bare: Vec<(usize, Meaning)> =
-        (0..header.len()).filter_map(|column| Some((column, bare(&header[column])?))).collect();
+    let named = all.iter().filter(|readings| readings.first().as_ref().is_some_and(measured)).count();
+    let bare: Vec<(usize, Meaning)> = (0..header.len())
+        .filter_map(|column| Some((column, of_known(&header[column], known).or_else(|| bare(&header[column]))?)))
+        .collect();
     let positions = bare.iter().filter(|(_, meaning)| meaning.quantity == POSITION).count();
-    if known > OTHERS || known >= positions {
+    if named > OTHERS || named >= positions {
         return (all, None);
     }
     let without_unit =
@@ -30,16 +34,29 @@ pub(super) fn meanings(header: &[String]) -> (Vec<Vec<Meaning>>, Option<String>)
     (all, note)
 }
 
+/// The meaning of the name of one of the robot's joints alone, or with the letter of a force before it.
+fn of_known(column: &str, known: &[String]) -> Option<Meaning> {
+    let joint = |name: &str| known.iter().find(|own| *own == name).cloned().map(Joint::Name);
+    if let Some(joint) = joint(column) {
+        return Some(Meaning::new(POSITION, joint, "bare known".to_owned()));
+    }
+    let joint = joint(column.strip_prefix(OF_FORCE)?.trim_start_matches('_'))?;
+    Some(Meaning::new(TORQUE, joint, "force of known".to_owned()))
+}
+
 /// The meaning of a joint's name alone, or with a unit behind it.
 fn bare(column: &str) -> Option<Meaning> {
     let start = column.find(|letter: char| letter.is_ascii_digit())?;
     let digits = column[start..].bytes().take_while(u8::is_ascii_digit).count();
     let (stem, rest) = (&column[..start], &column[start + digits..]);
     let word = stem.trim_end_matches(['_', ' ', '.', '[']).to_lowercase();
-    if !OF_JOINT.contains(&word.as_str()) {
+    let unit = rest.trim_matches([' ', '[', ']', '(', ')', '_', '.']);
+    // With a unit, the joint may stand behind others' words: `EGM_FB_J1 [deg]`.
+    let last = word.rsplit(['_', ' ', '.', '/']).next().unwrap_or_default();
+    let is_joint = OF_JOINT.contains(&word.as_str()) || (!unit.is_empty() && OF_JOINT.contains(&last));
+    if !is_joint || !names::is_measured_at_joint(stem) {
         return None;
     }
-    let unit = rest.trim_matches([' ', '[', ']', '(', ')', '_', '.']);
     let in_unit = |text: &str| (0..QUANTITIES.len()).find_map(|quantity| Some((quantity, Unit::of(text, quantity)?)));
     let (quantity, unit) = match unit {
         "" => (POSITION, None),
@@ -52,7 +69,7 @@ fn bare(column: &str) -> Option<Meaning> {
         name.rsplit(['_', ' ', '.']).next().filter(|last| last.starts_with(|letter: char| letter.is_alphabetic()));
     let joint = Joint::Name(last.unwrap_or(name).to_owned());
     let current = unit.is_some_and(Unit::is_current);
-    Some(Meaning { unit, current, ..Meaning::new(quantity, joint, format!("bare {quantity}")) })
+    Some(Meaning { unit, current, ..Meaning::new(quantity, joint, format!("bare {quantity} {word}")) })
 }
 
 #[cfg(test)]
@@ -64,7 +81,7 @@ mod tests {
         let first = |readings: &Vec<Meaning>| {
             readings.first().map(|meaning| (meaning.quantity, meaning.unit.map(|unit| unit.symbol)))
         };
-        meanings(&header).0.iter().map(first).collect()
+        meanings(&header, &[]).0.iter().map(first).collect()
     }
 
     #[test]
@@ -79,5 +96,8 @@ mod tests {
     fn a_unit_says_the_quantity() {
         let of = of(&["J1_rad", "J1_rad_s", "J1_Nm", "j1 [deg/s]"]);
         assert_eq!(of, [(0, "rad"), (1, "rad/s"), (3, "N m"), (1, "deg/s")].map(|(k, unit)| Some((k, Some(unit)))));
+        // Then other words may stand before the joint, unless they say that it was not measured.
+        let of = self::of(&["EGM_FB_J1 [deg]", "EGM_REF_J1 [deg]", "EGM_FB_J1"]);
+        assert_eq!(of, [Some((0, Some("deg"))), None, None]);
     }
 }

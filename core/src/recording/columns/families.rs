@@ -106,8 +106,7 @@ pub(super) fn any_position(meanings: &[Vec<Meaning>], names: &[String]) -> bool 
 
 /// The numbers of joints that the file calls by other names than the robot does, as `joint1` to `joint6`: name -> number
 /// counted from 1. Empty unless there are `count` of them without a hole.
-pub(super) fn numbers_in_names(meanings: &[Vec<Meaning>], count: usize) -> BTreeMap<String, usize> {
-    let names = own_names(meanings);
+pub(super) fn numbers_in_names(names: &[String], count: usize) -> BTreeMap<String, usize> {
     if names.len() != count || names.is_empty() {
         return BTreeMap::new();
     }
@@ -138,15 +137,22 @@ fn numbers_of(name: &str) -> Vec<(String, usize)> {
     out
 }
 
-/// The readings of positions in the family that most columns share.
-fn positions(meanings: &[Vec<Meaning>]) -> Vec<&Meaning> {
+/// The readings of a quantity in the family that most columns share, torques before currents.
+fn most_named(meanings: &[Vec<Meaning>], quantity: usize) -> Vec<&Meaning> {
     let mut families: BTreeMap<&str, Vec<&Meaning>> = BTreeMap::new();
     for meaning in meanings.iter().filter_map(|readings| readings.iter().find(|meaning| !meaning.exact_only)) {
-        if !meaning.truth && meaning.quantity == names::POSITION {
+        if !meaning.truth && !meaning.of_controller && meaning.quantity == quantity {
             families.entry(&meaning.family).or_default().push(meaning);
         }
     }
-    let order = |family: &Vec<&Meaning>| (std::cmp::Reverse(family.len()), family.first().map(|meaning| meaning.rank));
+    let order = |family: &Vec<&Meaning>| {
+        let first = family.first();
+        (
+            first.is_some_and(|meaning| meaning.current),
+            std::cmp::Reverse(family.len()),
+            first.map(|meaning| meaning.rank),
+        )
+    };
     families.into_values().min_by_key(order).unwrap_or_default()
 }
 
@@ -175,11 +181,30 @@ pub struct JointNames {
 /// All ways to understand the names of a header, in which `known` joints are spelled as the robot spells them, and a note on columns that are
 /// taken for positions without saying so. Names that number the joints stay: they are taken by their numbers.
 pub(super) fn meanings(header: &[String], known: &[String]) -> (Vec<Vec<Meaning>>, Option<String>) {
-    let (mut meanings, note) = bare::meanings(header);
-    if numbers_in_names(&meanings, own_names(&meanings).len()).is_empty() {
+    let (mut meanings, note) = bare::meanings(header, known);
+    add_scattered(&mut meanings, header);
+    let own = own_names(&meanings);
+    if numbers_in_names(&own, own.len()).is_empty() {
         spelling::correct(&mut meanings, known);
     }
     (meanings, note)
+}
+
+/// Adds readings of names whose words stand in no known order, of quantities that more of these name than all others.
+fn add_scattered(meanings: &mut [Vec<Meaning>], header: &[String]) {
+    let is_sure = |meaning: &&Meaning| !meaning.exact_only && !meaning.of_controller;
+    let sure: Vec<Option<usize>> =
+        meanings.iter().map(|readings| readings.iter().find(is_sure).map(|meaning| meaning.quantity)).collect();
+    let mut families: BTreeMap<(usize, String), Vec<(usize, Meaning)>> = BTreeMap::new();
+    let open = (0..header.len()).filter(|column| sure[*column].is_none());
+    for (column, meaning) in open.filter_map(|column| Some((column, names::scattered(&header[column])?))) {
+        families.entry((meaning.quantity, meaning.family.clone())).or_default().push((column, meaning));
+    }
+    for ((quantity, _), family) in families {
+        if family.len() > sure.iter().filter(|known| **known == Some(quantity)).count() {
+            family.into_iter().for_each(|(column, meaning)| meanings[column].push(meaning));
+        }
+    }
 }
 
 /// The joints whose positions a header names or numbers. Those of `known` that it names are found under every name that a reader who
@@ -187,10 +212,10 @@ pub(super) fn meanings(header: &[String], known: &[String]) -> (Vec<Vec<Meaning>
 pub(crate) fn joint_names(header: &[String], known: &[String]) -> JointNames {
     let (meanings, _) = meanings(header, known);
     let is_numbered = |meaning: &&&Meaning| matches!(meaning.joint, Joint::Number(_));
-    let numbered = positions(&meanings).iter().filter(is_numbered).count();
+    let numbered = most_named(&meanings, names::POSITION).iter().filter(is_numbered).count();
     let names = own_names(&meanings);
     // `joint1_pos` numbers a joint of a robot that calls it otherwise.
-    let in_names = numbers_in_names(&meanings, names.len()).len();
+    let in_names = numbers_in_names(&names, names.len()).len();
     let of_robot = names.iter().filter(|name| known.contains(name)).count();
     let around = around_names(&meanings, known);
     let names = match around.len() > of_robot.max(numbered) {
@@ -214,11 +239,16 @@ fn around_names(meanings: &[Vec<Meaning>], known: &[String]) -> Vec<String> {
 
 /// Joint names in the order of their positions; none where the positions are numbered.
 pub(super) fn own_names(meanings: &[Vec<Meaning>]) -> Vec<String> {
+    names_of(meanings, names::POSITION)
+}
+
+/// The same of any quantity.
+pub(super) fn names_of(meanings: &[Vec<Meaning>], quantity: usize) -> Vec<String> {
     let name = |meaning: &&Meaning| match &meaning.joint {
         Joint::Name(name) => Some(name.clone()),
         Joint::Number(_) => None,
     };
-    let names: Option<Vec<String>> = positions(meanings).iter().map(name).collect();
+    let names: Option<Vec<String>> = most_named(meanings, quantity).iter().map(name).collect();
     let mut unique: Vec<String> = Vec::new();
     for name in names.unwrap_or_default() {
         if !unique.contains(&name) {

@@ -150,12 +150,12 @@ mod tests {
     }
 
     fn of_columns(columns: &str, joints: &str, quantity: usize) -> Option<String> {
-        let (meanings, _) = bare::meanings(&list(columns));
+        let (meanings, _) = bare::meanings(&list(columns), &[]);
         several(&meanings, &list(joints), quantity)
     }
 
     fn is_found(columns: &str, joints: &str) -> bool {
-        let (meanings, _) = bare::meanings(&list(columns));
+        let (meanings, _) = bare::meanings(&list(columns), &[]);
         let found = behind_prefix(&meanings, &list(joints), POSITION);
         found.is_some_and(|(numbers, _)| numbers.values().eq([1, 2].iter()) || numbers.values().eq([2, 1].iter()))
     }

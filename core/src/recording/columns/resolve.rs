@@ -36,6 +36,13 @@ impl Resolver<'_> {
         let times = self.header.iter().enumerate().filter(|(column, _)| !used.contains(column));
         let times = times.filter_map(|(column, name)| names::time(name, column).map(|time| (column, time)));
         let times: Vec<(usize, names::Time)> = times.collect();
+        // `time_sec` next to `time_nsec` holds whole seconds.
+        let behind = |column: usize| {
+            self.header.iter().position(|other| names::are_seconds_and_rest(&self.header[column], other))
+        };
+        let rests: Vec<usize> = times.iter().filter_map(|(column, _)| behind(*column)).collect();
+        let times: Vec<(usize, names::Time)> =
+            times.into_iter().filter(|(column, _)| !rests.contains(column)).collect();
         let of_part = |part| times.iter().filter(move |(_, time)| time.part == part);
         let best = times.iter().filter(|(_, time)| time.part != Part::Nanoseconds).min_by_key(|(_, time)| time.rank);
         let Some(&(column, time)) = best else {
@@ -53,14 +60,16 @@ impl Resolver<'_> {
             let problem = format!("holds the same as column {}; leave one of them out", self.header[column]);
             return Err(Error::input(self.path, self.line, &self.header[second], problem));
         }
-        let nanoseconds = of_part(Part::Nanoseconds).next().map(|(column, _)| *column);
+        let apart = of_part(Part::Nanoseconds).next().map(|(column, _)| *column);
+        let nanoseconds = behind(column).or(apart.filter(|_| time.part == Part::Seconds));
+        let factor = time.factor.filter(|_| nanoseconds.is_none());
         Ok(Clock {
             time: column,
-            nanoseconds: nanoseconds.filter(|_| time.part == Part::Seconds),
-            factor: time.factor,
-            open_unit: time.factor.is_none()
+            nanoseconds,
+            factor,
+            open_unit: factor.is_none()
                 && !matches!(time.rank, names::OWN_TIME | names::INDEX)
-                && time.part == Part::Whole,
+                && nanoseconds.is_none(),
             is_index: time.rank == names::INDEX,
         })
     }
@@ -77,7 +86,8 @@ impl Resolver<'_> {
         // Beyond a hole, the numbers of the file are not those of the joints.
         if let Some((_, &column)) = found.range(count + 1..).next().filter(|_| gap.is_none()) {
             let known = if self.fixed { robot() } else { format!("there are positions of {count} joints") };
-            let problem = format!("a {name} too many: {known}");
+            let cure = "name the columns of these joints in a dataset: [columns] q = [..], qd = [..], tau = [..]";
+            let problem = format!("a {name} too many: {known}; {cure}");
             return Err(Error::input(self.path, self.line, &self.header[column], problem));
         }
         let Some(gap) = gap else { return Ok(found.values().copied().collect()) };
@@ -99,11 +109,20 @@ impl Resolver<'_> {
         } else {
             format!("no column {accepted}, though there are positions of {count} joints")
         };
+        let external = self
+            .header
+            .iter()
+            .find(|own| name == names::QUANTITIES[names::TORQUE].name && names::is_external_torque(own));
         let of_rows = |column: &String| ["name", "joint", "joint_name"].contains(&column.to_lowercase().as_str());
         let cure = match found.is_empty() {
             true => match self.header.iter().find(|column| of_rows(column)) {
                 Some(joint) => self.cure_of_long(joint),
-                None => CURE_OF_SIGNALS.to_owned(),
+                None => match external {
+                    Some(external) => format!(
+                        "; {external} and its like are torques of contact, without those that move the arm: log the measured torques too"
+                    ),
+                    None => CURE_OF_SIGNALS.to_owned(),
+                },
             },
             false => String::new(),
         };

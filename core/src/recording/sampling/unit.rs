@@ -8,6 +8,9 @@ const LONG_AGO_S: f64 = 1e6;
 /// Units other than seconds: least number that is a time from 1970, seconds per unit, name.
 const UNITS: [(f64, f64, &str); 3] = [(1e11, 1e-3, "ms"), (1e14, 1e-6, "us"), (1e17, 1e-9, "ns")];
 
+/// Seconds of a day, in which spreadsheets and MATLAB count time.
+const DAY_S: f64 = 86_400.0;
+
 /// Median step from which on a column called `t` or `time` is not in seconds, if the arm moves: a log at 1 Hz shows no dynamics.
 const NO_SECONDS: f64 = 1.0;
 
@@ -85,6 +88,10 @@ fn of_numbers(columns: &[Vec<f64>], layout: &Layout, first: f64) -> Option<(f64,
     let is_rate = |factor: f64| [median, mean].into_iter().any(|step| rate_of(step, factor, POSSIBLE_HZ));
     if let Some(&(_, factor, unit)) = of_1970.filter(|(_, factor, _)| is_rate(*factor)) {
         return Some((factor, unit, None, false));
+    }
+    // No log has rows as fast as parts of a day are in seconds.
+    if 1.0 / step > POSSIBLE_HZ[1] && is_rate(DAY_S) {
+        return Some((DAY_S, "days, as spreadsheets count them", None, false));
     }
     let least = if layout.open_unit { NO_SECONDS_OPEN } else { NO_SECONDS };
     let shows = || columns[layout.time()].len() >= FEWEST && moves(columns, layout);
@@ -218,6 +225,15 @@ mod tests {
                 assert!((rate / hz - 1.0).abs() < 1e-9, "{name}, {step}: {rate} {said}");
                 assert!(said.contains(word) && said.contains("[units] time"), "{name}, {step}: {said}");
             }
+        }
+    }
+
+    #[test]
+    fn days_of_spreadsheets() {
+        for start in [0.5, 45_000.5, 738_000.25] {
+            let (rate, said) = read("Date", start, 0.004 / 86_400.0, None, true);
+            // Days from 1900 on have seven digits for what is between two rows.
+            assert!((rate / 250.0 - 1.0).abs() < 0.05 && said.contains("in days"), "{start}: {rate} {said}");
         }
     }
 

@@ -134,6 +134,17 @@ impl Physics {
         Physics::bodies(robot).map(|_| Physics::Multiples(Box::new(robot.clone())))
     }
 
+    /// The arm, where its geometry is known.
+    pub(crate) fn robot(&self) -> Option<&Robot> {
+        match self {
+            Physics::Free(model) => Some(model.robot()),
+            Physics::Bodies(robot) | Physics::Sprung(robot, _) | Physics::Masses(robot) | Physics::Multiples(robot) => {
+                Some(robot)
+            }
+            Physics::Alone => None,
+        }
+    }
+
     /// The tables of a description.
     pub(crate) fn tables(&self, rows: &Rows, description: &Description) -> Tables {
         let (columns, bounds) = self.columns(rows, description);

@@ -29,7 +29,7 @@ pub(super) fn only(physics: &Physics, rows: [&Rows; 2], start: &Tried, mut found
 
 /// A description without changes that gain nothing to speak of, one after the other; none where each gains something. What is left is
 /// compared with all of them, so that small losses do not add up.
-fn reduced(physics: &Physics, [rows, whole]: [&Rows; 2], start: &Tried, all: &Tried) -> Option<Tried> {
+pub(super) fn reduced(physics: &Physics, [rows, whole]: [&Rows; 2], start: &Tried, all: &Tried) -> Option<Tried> {
     let mut out: Option<Tried> = None;
     loop {
         let own = &out.as_ref().unwrap_or(all).description;

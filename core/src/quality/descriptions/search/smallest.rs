@@ -5,6 +5,7 @@
 //! that are not separable from the best are its rivals.
 
 use super::found::Found;
+use super::mirrored::or_mirrored;
 use super::needed;
 use crate::quality::descriptions::change::Description;
 use crate::quality::descriptions::compare::{Comparison, EXPLAINED, EXPLAINED_ALONE, compare};
@@ -149,6 +150,7 @@ pub(in crate::quality::descriptions) fn search(
         }
     }
     let found = found.map(|found| needed::only(physics, [rows, &whole], &start, found));
+    let found = found.map(|found| or_mirrored(&known, [rows, &whole], &start, found));
     let gravity = found.as_ref().map(|found| found.best.description.gravity);
     let rest = found.and_then(|found| found.without_tilts(physics, rows, &start));
     let tilt = gravity.filter(|_| rest.is_none());

@@ -34,3 +34,19 @@ fn a_torque_without_its_sign_has_no_wrong_sign() {
         assert_eq!(told(&logs, joint, |tau| -tau), [(); 2].map(|()| (Kind::TorqueSign, place.clone())));
     }
 }
+
+/// Conventions of makers: axes of an arm that the URDF has the other way round, and a zero. Its mirror images explain it nearly as well.
+#[test]
+fn several_axes_the_other_way_round_are_found_and_no_mirror_image() {
+    use std::f64::consts::FRAC_PI_2;
+    let robot = irb();
+    for changes in [
+        vec![Change::AxisSign(1), Change::AxisSign(2), Change::ZeroOffset(1, FRAC_PI_2)],
+        vec![Change::AxisSign(1), Change::AxisSign(2)],
+    ] {
+        let (_, verdict) = found(&robot, Oddity::None, &changes);
+        let verdict = verdict.unwrap_or_else(|| panic!("{changes:?}"));
+        let own = &verdict.description.changes;
+        assert!(own.len() == changes.len() && holds(&verdict, &robot, &changes), "{changes:?}: {own:?}");
+    }
+}

@@ -1,122 +1,13 @@
 //! Which quantity of which joint a column holds, from its name.
 
 use super::quantity::{QUANTITIES, Quantity, TORQUE, TRUE};
+use super::translated::translated;
 use super::unit::{Unit, bare, is_unit};
+use super::vocabulary::{
+    MEASURED, OF_CONTROLLER, OF_GROUPS, OF_JOINT, OF_OTHERS, OF_PRESENT, PERCENT, PRESENT, UNIT_WORDS, WANTED,
+    WANTED_NUMBERED, lookup,
+};
 use super::words::{SEPARATORS, without_tuple, without_unit, words};
-
-/// Words for the current of a motor, which stands in for its torque.
-const CURRENT: [&str; 14] = [
-    "current",
-    "currents",
-    "motor_current",
-    "motor_currents",
-    "current_motor",
-    "axis_current",
-    "drive_current",
-    "effort_current",
-    "control_output",
-    "amps",
-    "cur",
-    "curr",
-    "i",
-    "macur",
-];
-
-/// Units that stand behind a name without brackets.
-const UNIT_WORDS: [&str; 28] = [
-    "deg", "degs", "degree", "degrees", "grad", "dps", "degps", "mdeg", "rad", "rads", "radps", "rps", "rpm", "mrad",
-    "rev", "revs", "turn", "turns", "mm", "um", "nm", "mnm", "nmm", "knm", "kgfcm", "ma", "pct", "percent",
-];
-
-/// Words around a quantity that mean it was measured; nothing depends on them.
-const MEASURED: [&str; 18] = [
-    "actual",
-    "act",
-    "applied",
-    "measured",
-    "meas",
-    "msr",
-    "present",
-    "ist",
-    "out",
-    "output",
-    "real",
-    "sensor",
-    "sensed",
-    "feedback",
-    "raw",
-    "true",
-    "est",
-    "estimated",
-];
-
-/// Words that mean percent of a rated value.
-const PERCENT: [&str; 2] = ["pct", "percent"];
-
-/// The present value, in names as `joint1 current torque`: between a joint and a quantity, or before one of these.
-const PRESENT: [&str; 4] = ["actual", "measured", "current", "present"];
-const OF_PRESENT: [&str; 11] = [
-    "position",
-    "positions",
-    "pos",
-    "angle",
-    "angles",
-    "velocity",
-    "velocities",
-    "speed",
-    "torque",
-    "torques",
-    "effort",
-];
-
-/// Words that mean a place, before a quantity; behind it they begin a joint's name.
-const OF_JOINT: [&str; 5] = ["joint", "joints", "jnt", "robot", "arm"];
-
-/// Words that mean that a controller wanted or computed a value: a torque of this kind is taken where none was measured.
-const OF_CONTROLLER: [&str; 12] = [
-    "target",
-    "desired",
-    "des",
-    "ref",
-    "reference",
-    "cmd",
-    "command",
-    "commanded",
-    "computed",
-    "goal",
-    "setpoint",
-    "disturbance",
-];
-
-/// Words that mean that a value is that of another thing, and not of a joint.
-const OF_OTHERS: [&str; 9] =
-    ["error", "err", "tcp", "cartesian", "temperature", "temperatures", "temp", "voltage", "action"];
-
-/// What a controller wanted, in names with a number at their end, as `tau_J_d_0` of a Panda.
-const WANTED: &str = "d";
-
-/// The same of names with a number at their end: wanted, or computed as `tau_ext_hat_filtered_0`.
-const WANTED_NUMBERED: [&str; 4] = [WANTED, "ext", "hat", "filtered"];
-
-/// Words of those parts of a path that name a message or a group and no joint, as `joint_states` and `measured_joint_state`.
-const OF_GROUPS: [&str; 16] = [
-    "joint",
-    "joints",
-    "robot",
-    "state",
-    "states",
-    "dynamic",
-    "field",
-    "msg",
-    "message",
-    "data",
-    "observation",
-    "obs",
-    "measured",
-    "actual",
-    "feedback",
-    "header",
-];
 
 /// Whose signal a column holds.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -169,6 +60,14 @@ impl Meaning {
 
 /// All ways to understand a column's name, the most likely first.
 pub(crate) fn meanings(column: &str) -> Vec<Meaning> {
+    let mut out = as_written(column);
+    // A joint may be called in that language: its own words come first.
+    out.extend(translated(column).into_iter().flat_map(|english| as_written(&english)));
+    out
+}
+
+/// The same without other languages.
+fn as_written(column: &str) -> Vec<Meaning> {
     let column = &without_tuple(column);
     let (column, unit) = without_unit(column);
     let mut out = Vec::new();
@@ -426,13 +325,6 @@ fn is_group(part: &str) -> bool {
 fn quantity(words: &[String]) -> Option<(usize, bool)> {
     let of_value = |word: &&String| MEASURED.contains(&word.as_str());
     let before = |word: &&String| of_value(word) || OF_JOINT.contains(&word.as_str());
-    let lookup = |words: &[String]| {
-        let joined = words.join("_");
-        if CURRENT.contains(&joined.as_str()) {
-            return Some((TORQUE, true));
-        }
-        (0..QUANTITIES.len()).find(|&k| QUANTITIES[k].words.contains(&joined.as_str())).map(|k| (k, false))
-    };
     // Behind the quantity, `joint` begins the name of one: `effort_joint_1`.
     let front = words.iter().take_while(before).count();
     let back = words.iter().rev().take_while(of_value).count();
@@ -445,9 +337,9 @@ fn quantity(words: &[String]) -> Option<(usize, bool)> {
         && current == "current"
         && OF_PRESENT.contains(&word.as_str())
     {
-        return lookup(&words[1..]);
+        return lookup(word);
     }
-    parts.into_iter().find_map(|(from, behind)| lookup(&words[from..words.len() - behind]))
+    parts.into_iter().find_map(|(from, behind)| lookup(&words[from..words.len() - behind].join("_")))
 }
 
 /// The number at the end of a name, as in `q0`, `q_0`, `q[0]`, `q.0`, with what stands before it.

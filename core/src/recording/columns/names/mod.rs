@@ -6,14 +6,19 @@
 
 mod meaning;
 mod quantity;
+mod scattered;
 #[cfg(test)]
 mod tests;
 mod time;
+mod translated;
 mod unit;
+mod vocabulary;
 mod words;
 
 pub(crate) use meaning::{Joint, Meaning, meanings, prefix_of, unknown_unit};
 pub(crate) use quantity::{ACCELERATION, POSITION, QUANTITIES, Quantity, TORQUE, TRUE, VELOCITY};
-pub(crate) use time::{INDEX, OWN_TIME, Part, Time, time};
+pub(crate) use scattered::scattered;
+pub(crate) use time::{INDEX, OWN_TIME, Part, Time, are_seconds_and_rest, time};
 pub(crate) use unit::{Unit, is_unit};
+pub(crate) use vocabulary::{is_external_torque, is_measured_at_joint};
 pub(crate) use words::unit_of;

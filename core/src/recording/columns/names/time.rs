@@ -1,5 +1,6 @@
 //! Which part of time a column holds, from its name.
 
+use super::translated::translated;
 use super::words::{without_tuple, without_unit, words};
 
 /// What a column of time holds.
@@ -35,6 +36,8 @@ pub(crate) const INDEX: u8 = 9;
 /// The meaning of a column's name as time.
 pub(crate) fn time(column: &str, place: usize) -> Option<Time> {
     let column = &*without_tuple(column);
+    let english = translated(column);
+    let column = english.as_deref().unwrap_or(column);
     let time = |rank, factor, part| Some(Time { rank, factor, part });
     if column.eq_ignore_ascii_case("t") || column.eq_ignore_ascii_case("time") {
         return time(OWN_TIME, None, Part::Whole);
@@ -87,7 +90,7 @@ pub(crate) fn time(column: &str, place: usize) -> Option<Time> {
             factor = Some(1e-6);
             STAMP
         }
-        "zeit" | "temps" | "tiempo" | "tempo" => STAMP,
+        "zeit" | "temps" | "tiempo" | "tempo" | "zeitstempel" | "horodatage" => STAMP,
         "t" | "time" if factor.is_some() && unit.is_none() => STAMP,
         "t" | "time" if column.starts_with(['_', '%']) => OF_LOGGER,
         "t" | "time" => STAMP,
@@ -103,4 +106,14 @@ pub(crate) fn time(column: &str, place: usize) -> Option<Time> {
         _ => return None,
     };
     time(rank, factor, Part::Whole)
+}
+
+/// Whether two columns are called alike but for seconds and nanoseconds behind the same words: those of the second are behind the seconds.
+pub(crate) fn are_seconds_and_rest(seconds: &str, rest: &str) -> bool {
+    let (seconds, rest) = (words(seconds), words(rest));
+    let ends = |words: &[String], own: &[&str]| words.last().is_some_and(|last| own.contains(&last.as_str()));
+    seconds.len() > 1
+        && ends(&seconds, &["s", "sec", "secs", "seconds"])
+        && ends(&rest, &["nsec", "nsecs", "nanosec", "nanosecs", "nanoseconds"])
+        && seconds[..seconds.len() - 1] == rest[..rest.len() - 1]
 }

@@ -1,6 +1,8 @@
 //! The search for the columns of a recording by their names.
 
-use super::families::{self, Place, any_position, base, best_family, candidates, numbers_in_names, own_names};
+use super::families::{
+    self, Place, any_position, base, best_family, candidates, names_of, numbers_in_names, own_names,
+};
 use super::layout::{ABSENT, Layout};
 use super::names::{self, QUANTITIES, TRUE};
 use super::prefixes::{behind_prefix, several};
@@ -67,7 +69,7 @@ impl Layout {
                 numbers = found;
             } else {
                 // Whole names are surer than numbers in them, of which robots have theirs in any order.
-                numbers = numbers_in_names(&meanings, names.len());
+                numbers = numbers_in_names(&own_names(&meanings), names.len());
                 if let (Some((first, _)), Some(name)) = (numbers.first_key_value(), names.first()) {
                     // A name that is cut behind its number has its bracket open.
                     let close = if first.contains('[') && !first.contains(']') { "]" } else { "" };
@@ -75,6 +77,7 @@ impl Layout {
                         format!("joints are taken by the numbers in their names, {first}{close} for {name} and so on");
                     understood.push(text);
                 }
+                numbers.values_mut().for_each(|number| *number = numbered_joint(&names, *number));
             }
         }
         let mut used = BTreeSet::new();
@@ -105,6 +108,18 @@ impl Layout {
                     of_motors_alone |= quantity == QUANTITIES[names::TORQUE].name;
                 }
             }
+            // The drives have other names than the joints, but the same numbers.
+            if own.is_empty() && !truth && joints.is_some() && quantity == names::TORQUE {
+                let mut by_numbers = numbers_in_names(&names_of(&meanings, quantity), names.len());
+                by_numbers.values_mut().for_each(|number| *number = numbered_joint(&names, *number));
+                own = candidates(&meanings, &names, &by_numbers, truth, quantity);
+                if let Some((name, number)) = by_numbers.iter().find(|_| !own.is_empty()) {
+                    understood.push(format!(
+                        "torques are taken by the numbers in their names, {name} for {} and so on",
+                        names[number - 1]
+                    ));
+                }
+            }
             let family = best_family(own);
             currents |= family.iter().any(|candidate| candidate.meaning.current);
             of_controller |= family.iter().any(|candidate| candidate.meaning.of_controller);
@@ -117,7 +132,7 @@ impl Layout {
             for candidate in family {
                 let number = match candidate.joint {
                     Place::Index(index) => index,
-                    Place::Number(number) => number + 1 - base.unwrap_or(1),
+                    Place::Number(number) => numbered_joint(&names, number + 1 - base.unwrap_or(1)),
                 };
                 let second = found[usize::from(truth)][quantity].insert(number, candidate.column);
                 if let Some(first) = second.filter(|first| demand.lenient && header[*first] == header[candidate.column])
@@ -241,6 +256,13 @@ impl Layout {
             joints: if names.is_empty() { (1..=count).map(|joint| format!("joint_{joint}")).collect() } else { names },
         })
     }
+}
+
+/// The place, counted from 1, of the joint with a number: in the joints' own numbers where their names have them, which on a tree need not
+/// be their order, else in their order.
+fn numbered_joint(names: &[String], number: usize) -> usize {
+    let own = numbers_in_names(names, names.len());
+    names.iter().position(|name| own.get(name) == Some(&number)).map_or(number, |place| place + 1)
 }
 
 /// The numbers of joints by the names of their motors, counted from 1, of joints that have one motor.

@@ -203,3 +203,73 @@ fn constants_are_asked_for_where_they_are_not_given() {
     assert!(said(false).contains("a dataset with [motors] torque_constant_nm_a"), "{}", said(false));
     assert!(said(true).contains("the torque constants of the dataset") && !said(true).contains("[motors]"));
 }
+
+#[test]
+fn one_quantity_somewhere_in_the_names() {
+    let robot = Some(&["a", "b"][..]);
+    for (position, torque) in [
+        ("position/robot0/left_arm/joint_#", "effort/robot0/left_arm/joint_#"),
+        ("position_robot0/left_arm/joint_#", "effort_robot0/left_arm/joint_#"),
+        ("joint#_position_actual", "joint#_torque_actual"),
+        ("servo_angle_#", "servo_effort_#"),
+        ("EGM_FB_J# [deg]", "EGM_Torque_J# [Nm]"),
+        ("关节#角度(度)", "关节#力矩(牛米)"),
+        ("関節#角度", "関節#トルク"),
+        ("pos_eje_#", "par_motor_eje_#"),
+        ("joint#pos", "joint#tau"),
+        ("J#ActualPosition", "J#ActualTorque"),
+        ("joint_#_pos", "motor_#_torque"),
+    ] {
+        let both = |pattern: &str| ["1", "2"].map(|number| pattern.replace('#', number)).join(",");
+        let wanted = "joint1_position_target,joint2_position_target,eef_pos_0,eef_pos_1,eef_pos_2";
+        let layout = find(&format!("时间,{},{wanted},{}", both(position), both(torque)), robot).unwrap();
+        assert_eq!((layout.time, layout.q, layout.tau), (0, vec![1, 2], vec![8, 9]), "{position} {torque}");
+    }
+    // Where names are in a known order nothing else is asked.
+    let layout = find("t,q_1,q_2,link_pos_1,link_pos_2,tau_1,tau_2", robot).unwrap();
+    assert_eq!((layout.q, layout.tau), (vec![1, 2], vec![5, 6]));
+}
+
+#[test]
+fn seconds_and_nanoseconds_behind_the_same_words() {
+    for header in ["time_sec,time_nsec,q1,tau1", "time_nsec,time_sec,q1,tau1"] {
+        let layout = find(header, None).unwrap();
+        let place = header.split(',').position(|name| name == "time_sec").unwrap();
+        assert_eq!((layout.time, layout.nanoseconds, layout.time_factor), (place, Some(1 - place), None), "{header}");
+    }
+    let alone = find("time_sec,frame,q1,tau1", None).unwrap();
+    assert_eq!((alone.nanoseconds, alone.time_factor), (None, Some(1.0)));
+}
+
+#[test]
+fn numbers_are_those_in_the_names_of_the_joints() {
+    // On a tree, j3 may come behind j4.
+    let robot = Some(&["j1", "j2", "j4", "j3"][..]);
+    for header in
+        ["t,q1,q2,q3,q4,tau1,tau2,tau3,tau4", "t,q0,q1,q2,q3,tau0,tau1,tau2,tau3", "t,A1,A2,A3,A4,T_A1,T_A2,T_A3,T_A4"]
+    {
+        let header = header.replace("T_", "torque_");
+        let layout = find(&header, robot).unwrap();
+        assert_eq!((layout.q, layout.tau), (vec![1, 2, 4, 3], vec![5, 6, 8, 7]), "{header}");
+    }
+    let layout = find("t,q1,q2,tau1,tau2", Some(&["lift2", "pan1"])).unwrap();
+    assert_eq!(layout.q, [1, 2]);
+}
+
+#[test]
+fn a_joint_alone_is_its_position_and_a_letter_before_it_its_force() {
+    let layout = find("t,X,Y,C,FX,FY,TC", Some(&["X", "Y", "C"])).unwrap();
+    assert_eq!((layout.q, layout.tau), (vec![1, 2, 3], vec![4, 5, 6]));
+    let layout =
+        find("t,lift_joint,elbow_joint,lift_joint_effort,elbow_joint_effort", Some(&["elbow_joint", "lift_joint"]));
+    assert_eq!(layout.unwrap().q, [2, 1]);
+}
+
+#[test]
+fn torques_of_contact_alone_are_named() {
+    for torque in ["tau_ext_1", "ExternalTorque_A1", "tau_ext_hat_filtered_1"] {
+        let said = problem(&format!("t,q1,{torque}"), None);
+        assert!(said.contains(&format!("{torque} and its like are torques of contact")), "{said}");
+    }
+    assert!(!problem("t,q1,x", None).contains("contact"));
+}

@@ -44,6 +44,8 @@ struct Place<'a> {
     link: usize,
     frame: Pose,
     class: Class<'a>,
+    /// Whether a joint moves the link: masses of others change no torque.
+    moves: bool,
 }
 
 impl<'a> Bodies<'a> {
@@ -75,7 +77,7 @@ impl<'a> Bodies<'a> {
             line: None,
         });
         for world in root.all("worldbody") {
-            let place = Place { link: 0, frame: Pose::identity(), class: class_within(world, None) };
+            let place = Place { link: 0, frame: Pose::identity(), class: class_within(world, None), moves: false };
             bodies.contents(world, place)?;
         }
         bodies.summarise();
@@ -136,9 +138,10 @@ impl<'a> Bodies<'a> {
         };
         let mut joints = Vec::new();
         self.joints_of(element, Pose::identity(), place.class, &mut joints)?;
+        let moves = place.moves || !joints.is_empty();
         let body = shapes::body(element, self.models, place.class)?;
         let gravcomp = Settled::plain(element).number("gravcomp")?.unwrap_or(0.0);
-        if gravcomp != 0.0 {
+        if gravcomp != 0.0 && moves {
             self.lifted.push(name.clone());
         }
         let (mut link, mut frame) = (place.link, place.frame);
@@ -159,20 +162,20 @@ impl<'a> Bodies<'a> {
         }
         self.links[link].inertia = body.inertia.seen_from_parent(&frame.rotation, &frame.translation);
         self.links[link].gravcomp = gravcomp;
-        if body.overruled {
+        if body.overruled && moves {
             self.overruled.push(name.clone());
         }
         if body.unknown > 0 && element.first("inertial").is_some() {
-            self.kept.push(name);
+            self.kept.extend(moves.then_some(name));
         } else if body.unknown > 0 {
-            self.weightless.push(name.clone());
+            self.weightless.extend(moves.then(|| name.clone()));
             self.links[link].missing = Some(Missing {
                 line: element.line,
                 field: format!("body `{name}`"),
                 problem: format!("the mass of {} mesh(es) is not known; give the body an <inertial>", body.unknown),
             });
         }
-        self.contents(element, Place { link, frame, ..place })
+        self.contents(element, Place { link, frame, moves, ..place })
     }
 
     /// The joints of a body with the pose of the frame around each.

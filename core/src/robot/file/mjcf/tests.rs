@@ -160,6 +160,11 @@ fn what_a_tree_does_not_have_is_noted() {
     let mesh = model("<joint/><geom type=\"mesh\" mesh=\"m\"/>", "");
     assert!(mesh.links[1].missing.as_ref().is_some_and(|missing| missing.problem.contains("<inertial>")));
     assert!(mesh.notes[0].contains("an <inertial> (b)"), "{:?}", mesh.notes);
+    // Masses of bodies that no joint moves change no torque, nor does what carries them.
+    let fixed = read(
+        "<mujoco><worldbody><body name=\"b\" gravcomp=\"1\"><geom type=\"mesh\" mesh=\"m\"/></body></worldbody></mujoco>",
+    );
+    assert!(fixed.unwrap().notes.is_empty());
     let held = model("<joint name=\"j\"/>", "<equality><joint joint1=\"j\" polycoef=\"0.5\"/></equality>");
     assert!(held.joints[0].motion == Motion::Fixed && held.notes[0].contains("held at 0.5"), "{held:?}");
     let heavy = model("<joint/>", "<compiler settotalmass=\"3\"/>");

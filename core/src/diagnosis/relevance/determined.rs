@@ -88,8 +88,8 @@ fn wrong_sign(member: &Member, values: &[f64], session: &Session) -> Option<usiz
     surest_of_wrong_sign(member, values, (session.model.base.robot(), session.criteria.levels.significant_std()))
 }
 
-/// The same of an effect that is no change, on `robot`. Where the sign is not significant, and no machine has the law without that amplitude,
-/// another is held: only a combination of both is determined.
+/// The same of an effect that is no change, on `robot`. Where no machine has the law without that amplitude, one that does not differ
+/// significantly from zero is held in its place: only a combination of both is determined.
 fn surest_of_wrong_sign(member: &Member, values: &[f64], (robot, significant): (&Robot, f64)) -> Option<usize> {
     let effect = member.placed.effect;
     let amplitudes: Vec<usize> = linear(effect).into_iter().filter(|index| !member.fixed.contains(index)).collect();
@@ -105,9 +105,10 @@ fn surest_of_wrong_sign(member: &Member, values: &[f64], (robot, significant): (
         without[*index] = 0.0;
         effect.over_limit(&without, member.placed.joint, robot) <= 1.0
     };
-    let other = || amplitudes.iter().copied().find(|index| is_possible_without(index));
-    let stands = sure(wrong) > significant || is_possible_without(&wrong);
-    if stands { Some(wrong) } else { other().or(Some(wrong)) }
+    let is_open = |index: &usize| values[*index].abs() <= significant * member.std[*index];
+    let other =
+        amplitudes.iter().copied().find(|index| *index != wrong && is_open(index) && is_possible_without(index));
+    other.filter(|_| !is_possible_without(&wrong)).or(Some(wrong))
 }
 
 /// What to hold of a member with an amplitude of a sign that cannot be: such an amplitude, if it is one with all shapes held too; else the
@@ -181,8 +182,8 @@ mod tests {
         assert_eq!(of(&both), Some(0));
         assert_eq!(of(&member("gravity_balancer", &[86.0, 2e4, 0.05, 1.3], &[1.0; 4])), None);
         // A strut without preload is slack; where only a combination is determined the stiffness is held.
-        let line = |std: f64| member("gravity_balancer", &[-20.0, 50.0, 0.6, 1.3], &[std, 150.0, 0.6, 0.04]);
-        assert_eq!([of(&line(20.0 / 1.95)), of(&line(20.0 / 1.97))], [Some(1), Some(0)]);
+        let line = |std: f64| member("gravity_balancer", &[-20.0, 50.0, 0.6, 1.3], &[1.0, std, 0.6, 0.04]);
+        assert_eq!([of(&line(50.0 / 1.95)), of(&line(50.0 / 1.97))], [Some(1), Some(0)]);
         // The only one there is stays.
         let mut last = both.clone();
         last.fixed.push(1);

@@ -37,6 +37,16 @@ pub struct Session<'a> {
     noises: Arc<NoiseMemory>,
 }
 
+/// Standard deviation of a gear's play over its value that remains whatever the logs: teeth that yield as much as they have play meet later
+/// and softer than stiff ones, and how much they yield is not known.
+const SOFT_TEETH: f64 = 0.15;
+
+/// Standard deviation of a gear's play by the `std` of its column's factor `value`. When teeth meet says `size`, how hard says the value;
+/// they differ by what is not known of the gear.
+fn std_of_gap(std: f64, size: f64, value: f64) -> f64 {
+    std.hypot(size - value).hypot(SOFT_TEETH * value)
+}
+
 /// The logs, the model and the thresholds of a session.
 #[derive(Debug)]
 pub struct State<'a> {
@@ -174,13 +184,9 @@ impl<'a> Session<'a> {
                 member.factors[k] = if is_fixed { 0.0 } else { solved.values[place] };
                 if !is_level(effect) {
                     member.placed.parameters[index] = member.factors[k];
-                    // When teeth meet and how hard say how wide a play is, each by itself: they differ by what is not known of the gear.
-                    let size = if is_gap(effect, index) {
-                        member.candidate.placed.parameters[index]
-                    } else {
-                        solved.values[place]
-                    };
-                    let of_size = solved.std(place).hypot(size - solved.values[place]);
+                    let std = solved.std(place);
+                    let size = member.candidate.placed.parameters[index];
+                    let of_size = if is_gap(effect, index) { std_of_gap(std, size, solved.values[place]) } else { std };
                     member.std[index] = if is_fixed { f64::INFINITY } else { of_size };
                 }
             }
@@ -313,5 +319,16 @@ impl<'a> Session<'a> {
         before.valid.iter_mut().for_each(|valid| valid[rows.changed_from()..].fill(false));
         let whitener = whitener.on(&before);
         whitener.solve(baseline, torque).values
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn two_estimates_of_a_gap_are_as_uncertain_as_they_differ() {
+        // 0.2, 0.3 from 1.2 to 1.5, and 15 % of 1.5.
+        assert!((std_of_gap(0.2, 1.2, 1.5) - (0.04f64 + 0.09 + 0.225 * 0.225).sqrt()).abs() < 1e-12);
     }
 }

@@ -186,7 +186,7 @@ mod tests {
         let hardly = sharp(&q, period).unwrap();
         let error = |k: usize| hardly.qdd.channel(0)[k] + 4.0 * motion(k as u32);
         let largest = (500..4_500).map(|k| error(k).abs()).fold(0.0, f64::max);
-        assert!(largest < 0.6, "{largest}");
+        assert!(largest < 1.0, "{largest}");
         // A jerk of 20 ms is still one.
         let jerk = |k: u32| 1e-3 * (-0.5 * ((f64::from(k) * period - 5.0) / 0.01).powi(2)).exp();
         let q = Channels::from_vectors(&[(0..5_000).map(jerk).collect()]);

@@ -222,7 +222,9 @@ mod tests {
     #[test]
     fn impacts_show_what_a_rotor_has_of_the_inertia() {
         let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../urdf/irb1600_6_120.urdf");
-        let real = load(path, InertiaCheck::Required).unwrap();
+        let mut real = load(path, InertiaCheck::Required).unwrap();
+        let of_links = Arm::new(&real, Trust::Nominal).inertia_about(0, &[0.0; 6]);
+        real.joints[0].drive.armature = 0.5 * of_links;
         let mut described = real.clone();
         for joint in &mut described.joints {
             joint.drive.armature = 0.0;
@@ -243,8 +245,7 @@ mod tests {
         let mut session = Session::new(&model, Trust::Structure, &[&logs[0], &logs[1]], &[&logs[2]]).unwrap();
         let Fit { whitener, projection } = session.fit_under(&session.logs.train.baseline);
         session.settle(&mut [], &whitener).unwrap();
-        let rotor = real.joints[0].drive.armature;
-        let all = arm.inertia_about(0, &[0.0; 6]) + rotor;
+        let (rotor, all) = (0.5 * of_links, 1.5 * of_links);
         assert!(rotors_behind_play(&mut session, &[0], &(whitener, projection)).unwrap());
         let found = session.model.arm.rotor(0).unwrap();
         assert!((found - rotor).abs() < 0.12 * all, "{found} of {rotor}, of {all} in all");

@@ -218,13 +218,15 @@ mod tests {
         assert!(passes(1.0, 0));
     }
 
-    /// A description without rotors, whose bodies are a quarter too heavy: the rotor that impacts in the first gear show is the real one.
+    /// A description without rotors, whose bodies are a quarter too heavy: the rotor that impacts in the second gear show is the real one.
+    /// Under little gravity its load changes its sign, and when depends on what the link weighs: on a vertical axis it does not.
     #[test]
     fn impacts_show_what_a_rotor_has_of_the_inertia() {
         let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../urdf/irb1600_6_120.urdf");
         let mut real = load(path, InertiaCheck::Required).unwrap();
-        let of_links = Arm::new(&real, Trust::Nominal).inertia_about(0, &[0.0; 6]);
-        real.joints[0].drive.armature = 0.5 * of_links;
+        let of_links = Arm::new(&real, Trust::Nominal).inertia_about(1, &[0.0; 6]);
+        real.gravity *= 0.1;
+        real.joints[1].drive.armature = 0.5 * of_links;
         let mut described = real.clone();
         for joint in &mut described.joints {
             joint.drive.armature = 0.0;
@@ -236,7 +238,7 @@ mod tests {
             let mut log = log(&arm, seed);
             let rows = Rows::new(&[&log], 20.0, FEWEST_ROWS).unwrap();
             let [with, without] =
-                [gear, Gear { half_gap: 0.0, ..gear }].map(|gear| arm.torque_with(0, gear, &rows.logs[0]));
+                [gear, Gear { half_gap: 0.0, ..gear }].map(|gear| arm.torque_with(1, gear, &rows.logs[0]));
             let change = with.as_slice().iter().zip(without.as_slice()).map(|(with, without)| with - without);
             log.tau.as_mut_slice().iter_mut().zip(change).for_each(|(tau, change)| *tau += change);
             log
@@ -246,8 +248,8 @@ mod tests {
         let Fit { whitener, projection } = session.fit_under(&session.logs.train.baseline);
         session.settle(&mut [], &whitener).unwrap();
         let (rotor, all) = (0.5 * of_links, 1.5 * of_links);
-        assert!(rotors_behind_play(&mut session, &[0], &(whitener, projection)).unwrap());
-        let found = session.model.arm.rotor(0).unwrap();
+        assert!(rotors_behind_play(&mut session, &[1], &(whitener, projection)).unwrap());
+        let found = session.model.arm.rotor(1).unwrap();
         assert!((found - rotor).abs() < 0.12 * all, "{found} of {rotor}, of {all} in all");
     }
 }

@@ -11,10 +11,6 @@ const ALONE: usize = 10;
 const ONE_OF_SEVERAL: usize = 6;
 const REACH: f64 = 30.0;
 
-/// Points of an angle over a turn, and of a shape on which the form of the torque hardly depends.
-const ANGLES: usize = 30;
-const GENTLE: usize = 2;
-
 /// Shares of the largest logged torque at which it may be cut off: noise alone exceeds the level.
 const CUT_OFF: [f64; 6] = [0.99, 0.96, 0.92, 0.87, 0.8, 0.7];
 
@@ -170,12 +166,7 @@ impl Extent {
             let higher = upwards(low.max(ALWAYS_HARMONIC) + coarse, coarse).take_while(|order| *order <= highest);
             return always.chain(higher).collect();
         }
-        let points = match effect.search(index) {
-            Search::Angle => ANGLES,
-            Search::Gentle => GENTLE,
-            _ if alone => ALONE,
-            _ => ONE_OF_SEVERAL,
-        };
+        let points = if alone { ALONE } else { ONE_OF_SEVERAL };
         if effect.search(index) != Search::Position && varies_by_factors(low, high) {
             let (low, high) = (low.max(parameter.typical / REACH), high.min(parameter.typical * REACH));
             return (0..points).map(|k| low * (high / low).powf(k as f64 / (points - 1) as f64)).collect();

@@ -28,10 +28,6 @@ pub enum Search {
     ClockStart,
     /// A position of the joint at which the law bends: inside its range of motion, else it is another law.
     Position,
-    /// An angle anywhere in a turn: a law whose sine and cosine weights make up for has its form within a tenth of a radian only.
-    Angle,
-    /// Between its bounds, of which a few values are near enough to all to start from.
-    Gentle,
     /// A number of periods per turn of the joint.
     PerTurn,
     /// A time by which signals are moved or spread, at multiples of its typical size: torque is not linear in it.

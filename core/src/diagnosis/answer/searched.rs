@@ -74,8 +74,7 @@ fn those_that_matter(
             selection.take_held_out(session)?;
         }
         // Holding a parameter at the end may leave a law that no machine has.
-        let is_possible =
-            selection.found.iter().all(|found| session.believable(&found.member.placed, &found.member.std).passed);
+        let is_possible = selection.found.iter().all(|found| session.believable(&found.member.placed).passed);
         if is_possible || !take_out(session, &mut selection, &mut minor, any_size)? {
             return Ok((selection, minor));
         }

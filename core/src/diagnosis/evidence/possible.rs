@@ -4,7 +4,7 @@
 use crate::diagnosis::criteria::{Gate, Judgement};
 use crate::diagnosis::model::{Candidate, Session, bends, extent, is_level, linear};
 use crate::diagnosis::regression::{Column, Test, combined, rms};
-use crate::effects::{Effect, Parameter, Placed, Role};
+use crate::effects::{Parameter, Placed, Role};
 
 impl Session<'_> {
     /// The gate that an estimate fails which is beyond its bounds by more than its uncertainty, or of another size than its columns. A change
@@ -43,7 +43,7 @@ impl Session<'_> {
             let Parameter { lower, upper, role, .. } = effect.parameters()[index];
             let either_way = change && role == Role::Amplitude;
             // One without a finite standard deviation may lie anywhere.
-            let within = value + far * std >= lower && value - far * std <= upper || can_be(effect, test);
+            let within = value + far * std >= lower && value - far * std <= upper;
             let beyond = ((lower - value) / std).max((value - upper) / std);
             let judgement = Judgement::at_most(Gate::WithinBounds, beyond, far).or(within);
             (!either_way && !judgement.passed).then_some(judgement)
@@ -58,32 +58,16 @@ impl Session<'_> {
             return None;
         }
         let mut placed = candidate.placed.clone();
-        let mut std = vec![0.0; placed.parameters.len()];
-        for (k, index) in linear(effect).into_iter().enumerate() {
-            (placed.parameters[index], std[index]) = (test.values[k], test.std[k]);
-        }
+        linear(effect).iter().zip(&test.values).for_each(|(&index, &value)| placed.parameters[index] = value);
         let in_proportion = || Judgement::at_most(Gate::InProportion, self.proportion(candidate, test), 1.0);
-        Judgement::first_failed([self.believable(&placed, &std)]).or_else(|| Judgement::first_failed([in_proportion()]))
+        Judgement::first_failed([self.believable(&placed)]).or_else(|| Judgement::first_failed([in_proportion()]))
     }
 
-    /// Whether a machine can have a law with its parameters and their standard deviations: as they are, or without an amplitude that does
-    /// not differ significantly from zero.
-    pub(crate) fn believable(&self, placed: &Placed, std: &[f64]) -> Judgement {
-        let Placed { effect, joint, parameters } = placed;
+    /// Whether a machine can have a law with its parameters.
+    pub(crate) fn believable(&self, Placed { effect, joint, parameters }: &Placed) -> Judgement {
         // At what torque a drive is cut off is its own.
-        if is_level(*effect) {
-            return Judgement::at_most(Gate::Believable, 0.0, 1.0);
-        }
-        let over = |parameters: &[f64]| effect.over_limit(parameters, *joint, self.model.base.robot());
-        let significant = self.criteria.levels.significant_std();
-        let amplitudes = linear(*effect);
-        let open = amplitudes.iter().filter(|&&index| parameters[index].abs() <= significant * std[index]);
-        let without = open.filter(|_| amplitudes.len() > 1).map(|&index| {
-            let mut without = parameters.clone();
-            without[index] = 0.0;
-            over(&without)
-        });
-        Judgement::at_most(Gate::Believable, without.fold(over(parameters), f64::min), 1.0)
+        let over = if is_level(*effect) { 0.0 } else { effect.over_limit(parameters, *joint, self.model.base.robot()) };
+        Judgement::at_most(Gate::Believable, over, 1.0)
     }
 
     /// The torque of an estimate over what can be of its joint's: on the valid rows, and for friction in all others too, to which a law that
@@ -114,51 +98,5 @@ impl Session<'_> {
         let of_drive = if limit.is_finite() { self.criteria.levels.minor * limit } else { 0.0 };
         let can_be = share * rms(valid, &all)[joint].max(of_drive);
         most.max(if of_effect > 0.0 { of_effect / can_be } else { 0.0 })
-    }
-}
-
-/// Whether a change that the baseline makes up for brings all estimates within their bounds: of a strut where bodies may weigh more or less
-/// only what its pull would be at no length is determined, and not how preload and stiffness share it.
-fn can_be(effect: &dyn Effect, test: &Test) -> bool {
-    let [change] = &test.free[..] else { return false };
-    let (mut from, mut to) = (f64::NEG_INFINITY, f64::INFINITY);
-    for ((index, value), slope) in linear(effect).into_iter().zip(&test.values).zip(change) {
-        let Parameter { lower, upper, .. } = effect.parameters()[index];
-        if *slope == 0.0 && !(lower..=upper).contains(value) {
-            return false;
-        }
-        if *slope != 0.0 {
-            let [first, last] = [lower, upper].map(|bound| (bound - value) / slope);
-            (from, to) = (from.max(first.min(last)), to.min(first.max(last)));
-        }
-    }
-    from <= to
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::effects::find;
-    use nalgebra::DMatrix;
-
-    #[test]
-    fn either_side_of_what_can_be_along_a_free_change() {
-        let strut = find("gravity_balancer").unwrap();
-        let test = |values: [f64; 2], free: &[[f64; 2]]| Test {
-            statistic: 1.0,
-            freedom: 1,
-            values: values.to_vec(),
-            std: vec![1.0; 2],
-            along: DMatrix::zeros(0, 2),
-            directions: DMatrix::zeros(2, 1),
-            norms: vec![1.0; 2],
-            free: free.iter().map(|change| change.to_vec()).collect(),
-        };
-        // A preload of -30 N m and a stiffness of 20 N m are as good as 10 and 100; without a free change they are none.
-        assert!(can_be(strut, &test([-30.0, 20.0], &[[0.5, 1.0]])));
-        assert!(!can_be(strut, &test([-30.0, 20.0], &[])) && !can_be(strut, &test([-30.0, 20.0], &[[0.0, 1.0]])));
-        // Where one grows as the other falls, both must fit in.
-        assert!(can_be(strut, &test([-30.0, 31.0], &[[1.0, -1.0]])));
-        assert!(!can_be(strut, &test([-30.0, 29.0], &[[1.0, -1.0]])));
     }
 }

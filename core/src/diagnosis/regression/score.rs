@@ -179,9 +179,6 @@ impl Projection {
         let directions = DMatrix::from_fn(count, kept.len(), |r, k| {
             eigen.eigenvectors[(r, kept[k])] / eigen.eigenvalues[kept[k]].sqrt()
         });
-        let is_free = |k: &usize| !kept.contains(k);
-        let change = |k: usize| (0..count).map(|c| eigen.eigenvectors[(c, k)] / norms[c]).collect();
-        let free_changes = (0..count).filter(is_free).map(change).collect();
         let right = DVector::from_fn(count, |c, _| columns[c].dot(&self.residual) / norms[c]);
         let scores = directions.tr_mul(&right);
         let values = &directions * &scores;
@@ -199,7 +196,6 @@ impl Projection {
             along,
             directions,
             norms,
-            free: free_changes,
         })
     }
 }
@@ -221,8 +217,6 @@ pub struct Test {
     pub directions: DMatrix<f64>,
     /// Norms of the columns.
     pub norms: Vec<f64>,
-    /// Changes of the factors that the baseline makes up for: what they change is not determined.
-    pub free: Vec<Vec<f64>>,
 }
 
 impl Test {

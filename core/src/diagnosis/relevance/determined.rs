@@ -13,7 +13,6 @@ use crate::diagnosis::regression::Column;
 use crate::diagnosis::search::{Found, members};
 use crate::effects::{Parameter, Role, Search};
 use crate::error::Result;
-use crate::robot::Robot;
 
 /// Holds the parameters of the effects `found` that the training logs do not determine, by the scatter between their blocks; returns
 /// whether there were any. All standard deviations then hold that scatter.
@@ -85,12 +84,11 @@ fn wrong_sign(member: &Member, values: &[f64], session: &Session) -> Option<usiz
     if member.held || is_level(effect) || session.logs.train.rows.of_change() {
         return None;
     }
-    surest_of_wrong_sign(member, values, (session.model.base.robot(), session.criteria.levels.significant_std()))
+    surest_of_wrong_sign(member, values)
 }
 
-/// The same of an effect that is no change, on `robot`. Where no machine has the law without that amplitude, one that does not differ
-/// significantly from zero is held in its place: only a combination of both is determined.
-fn surest_of_wrong_sign(member: &Member, values: &[f64], (robot, significant): (&Robot, f64)) -> Option<usize> {
+/// The same of an effect that is no change.
+fn surest_of_wrong_sign(member: &Member, values: &[f64]) -> Option<usize> {
     let effect = member.placed.effect;
     let amplitudes: Vec<usize> = linear(effect).into_iter().filter(|index| !member.fixed.contains(index)).collect();
     let impossible = |index: &usize| {
@@ -99,16 +97,7 @@ fn surest_of_wrong_sign(member: &Member, values: &[f64], (robot, significant): (
     };
     let sure = |index: usize| (values[index] / member.std[index]).abs();
     let wrong = amplitudes.iter().copied().filter(impossible).max_by(|&a, &b| sure(a).total_cmp(&sure(b)));
-    let wrong = wrong.filter(|_| amplitudes.len() > 1)?;
-    let is_possible_without = |index: &usize| {
-        let mut without = values.to_vec();
-        without[*index] = 0.0;
-        effect.over_limit(&without, member.placed.joint, robot) <= 1.0
-    };
-    let is_open = |index: &usize| values[*index].abs() <= significant * member.std[*index];
-    let other =
-        amplitudes.iter().copied().find(|index| *index != wrong && is_open(index) && is_possible_without(index));
-    other.filter(|_| !is_possible_without(&wrong)).or(Some(wrong))
+    wrong.filter(|_| amplitudes.len() > 1)
 }
 
 /// What to hold of a member with an amplitude of a sign that cannot be: such an amplitude, if it is one with all shapes held too; else the
@@ -144,7 +133,6 @@ fn undetermined(member: &Member, levels: &Levels) -> Option<usize> {
 mod tests {
     use super::*;
     use crate::effects::{Placed, find};
-    use crate::robot::{InertiaCheck, load};
 
     fn member(effect: &str, values: &[f64], std: &[f64]) -> Member {
         let mut placed = Placed::typical(find(effect).unwrap(), 0);
@@ -173,17 +161,12 @@ mod tests {
 
     #[test]
     fn the_surest_amplitude_of_a_wrong_sign_is_zero() {
-        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../tests/reference/pendulum.urdf");
-        let robot = load(path, InertiaCheck::Required).unwrap();
-        let of = |member: &Member| surest_of_wrong_sign(member, &member.placed.parameters, (&robot, 1.96));
+        let of = |member: &Member| surest_of_wrong_sign(member, &member.placed.parameters);
         let strut = member("gravity_balancer", &[86.0, -2e4, 0.05, 1.3], &[1.0, 1e3, 0.6, 0.04]);
         assert_eq!(of(&strut), Some(1));
         let both = member("gravity_balancer", &[-86.0, -2e4, 0.05, 1.3], &[1.0, 1e3, 0.6, 0.04]);
         assert_eq!(of(&both), Some(0));
         assert_eq!(of(&member("gravity_balancer", &[86.0, 2e4, 0.05, 1.3], &[1.0; 4])), None);
-        // A strut without preload is slack; where only a combination is determined the stiffness is held.
-        let line = |std: f64| member("gravity_balancer", &[-20.0, 50.0, 0.6, 1.3], &[1.0, std, 0.6, 0.04]);
-        assert_eq!([of(&line(50.0 / 1.95)), of(&line(50.0 / 1.97))], [Some(1), Some(0)]);
         // The only one there is stays.
         let mut last = both.clone();
         last.fixed.push(1);

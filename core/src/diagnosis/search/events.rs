@@ -141,7 +141,6 @@ mod tests {
                 along: DMatrix::zeros(0, 3),
                 directions: DMatrix::zeros(3, 3),
                 norms: vec![1.0; 3],
-                free: Vec::new(),
             },
         };
         let all = vec![judged(Some(0), 9.0), judged(Some(1), 5.0), judged(Some(0), 4.0), judged(None, 9.0)];

@@ -19,9 +19,7 @@
 //! ten to one from the axis, g >= 0.2. Without them a motion over a small range is fitted best by struts that hardly have a length and
 //! jerk through it, or whose pull is tens of times the torque that they make, and does not hold in other poses. A strut that pushes from half a turn away is nearly one that pulls.
 
-use crate::effects::{
-    About, Derived, Effect, Hidden, Instant, Limit, Nature, Parameter, Rival, Role, Scope, Search, Site,
-};
+use crate::effects::{About, Effect, Hidden, Instant, Limit, Nature, Parameter, Rival, Role, Scope, Site};
 use crate::robot::{JointKind, Robot, Unit};
 
 /// (M + K (r - r0)) g sin(q - phi) / (2 r).
@@ -130,14 +128,6 @@ impl Effect for GravityBalancer {
         &PARAMETERS
     }
 
-    fn search(&self, index: usize) -> Search {
-        match index {
-            2 => Search::Gentle,
-            3 => Search::Angle,
-            _ => Search::Bounds,
-        }
-    }
-
     fn limits(&self) -> &'static [Limit] {
         &LIMITS
     }
@@ -147,13 +137,6 @@ impl Effect for GravityBalancer {
         let longer = (1.0 + geometry).sqrt() - (1.0 - geometry).sqrt();
         // A preload below zero is beyond its bound, as far as it is known.
         if preload < 0.0 || stiffness == 0.0 { 0.0 } else { LIMITS[0].over(1.0 + stiffness * longer / preload) }
-    }
-
-    /// The pull of the straight line of its stiffness at no length, as a moment M - r0 K: where bodies may weigh more or less, that alone is
-    /// determined of preload and stiffness. (A spring of no free length, for which it is zero, balances weights exactly.)
-    fn derived(&self, p: &[f64], _: usize, _: &Robot) -> Vec<Derived> {
-        let value = p[0] - (1.0 - p[2]).sqrt() * p[1];
-        vec![Derived { name: "moment_at_no_length", unit: Unit::Effort, value, of_the_first: false }]
     }
 
     /// It balances gravity, which an axis that is vertical in every pose does not feel, and has a lever on a joint that turns.
@@ -208,15 +191,6 @@ mod tests {
         let nine = 9.0 * 100.0 / 0.632_455_532_034;
         assert!(over_limit(100.0, 0.999 * nine) < 1.0 && over_limit(100.0, 1.001 * nine) > 1.0);
         assert_eq!([over_limit(0.0, 1.0), over_limit(0.0, 0.0), over_limit(-1.0, 5.0)], [f64::INFINITY, 0.0, 0.0]);
-    }
-
-    #[test]
-    fn what_no_weight_makes_up_for_is_the_pull_at_no_length() {
-        // g = 0.64: r0 = 0.6.
-        let of = |preload: f64, stiffness: f64| {
-            GravityBalancer.derived(&[preload, stiffness, 0.64, 0.3], 0, &pendulum())[0].value
-        };
-        assert!((of(30.0, 100.0) + 30.0).abs() < 1e-12 && (of(60.0, 100.0)).abs() < 1e-12);
     }
 
     #[test]

@@ -30,10 +30,10 @@ pub(super) const DAMPING_TIME_S: f64 = 1e-3;
 /// 600 rad/s, which the default plant step still follows.
 pub(super) const STIFF: f64 = 600.0 * 600.0;
 
-/// Runge-Kutta steps of [`Gear::follow`]: no longer than this, s, a sixth of a radian of the swing on a gear of [`STIFF`], and no more of
-/// them between two samples.
+/// Runge-Kutta steps of [`Gear::follow`]: no longer than this, s, a sixth of a radian of the swing on a gear of [`STIFF`], and so many
+/// between two samples, at least and at most.
 const STEP_S: f64 = 2.8e-4;
-const MOST_STEPS: usize = 32;
+const STEPS: [usize; 2] = [8, 32];
 
 impl Gear {
     /// Two gears in series.
@@ -66,7 +66,7 @@ impl Gear {
     /// it moved with the motor and has the inertia `inertia` (kg m2) about the joint: inertia d2 twist/dt2 = load - torque
     /// of the gear. Starts at rest under the first load.
     pub fn follow(&self, load: &[f64], inertia: &[f64], period: f64) -> [Vec<f64>; 3] {
-        let steps = ((period / STEP_S).ceil() as usize).clamp(1, MOST_STEPS);
+        let steps = ((period / STEP_S).ceil() as usize).clamp(STEPS[0], STEPS[1]);
         let step = period / steps as f64;
         let mut twist = load.first().map_or(0.0, |&first| self.twist(first));
         let mut rate = 0.0;

@@ -33,7 +33,7 @@ pub(crate) trait GearTrain {
     /// Motion of the motors, smooth.
     fn motors(&self) -> &Motion;
 
-    /// The same hardly smoothed ([`sharp`]).
+    /// The same hardly smoothed ([`sharp`]), or not at all.
     ///
     /// # Errors
     /// If the log is too short for the filter.
@@ -55,7 +55,7 @@ pub(crate) trait GearTrain {
     fn smoothed(&self, joint: usize, signal: &[f64]) -> Result<Vec<f64>>;
 }
 
-/// The motion along which play is followed, from positions as measured.
+/// The motion along which play is followed where encoders are coarse, from positions as measured.
 ///
 /// # Errors
 /// If there are too few samples for the filter.
@@ -65,10 +65,18 @@ pub(crate) fn sharp(measured: &Channels, period: f64) -> Result<Motion> {
     for joint in 0..q.channels() {
         low_pass.apply_in_place(q.channel_mut(joint))?;
     }
-    let mut motion = Motion { q: q.clone(), qd: q.clone(), qdd: q };
+    unsmoothed(&q, period)
+}
+
+/// The motion with positions as measured and their central differences.
+///
+/// # Errors
+/// If there are too few samples to differentiate.
+pub(crate) fn unsmoothed(q: &Channels, period: f64) -> Result<Motion> {
+    let mut motion = Motion { q: q.clone(), qd: q.clone(), qdd: q.clone() };
     for joint in 0..motion.joints() {
-        first_derivative(motion.q.channel(joint), period, motion.qd.channel_mut(joint))?;
-        second_derivative(motion.q.channel(joint), period, motion.qdd.channel_mut(joint))?;
+        first_derivative(q.channel(joint), period, motion.qd.channel_mut(joint))?;
+        second_derivative(q.channel(joint), period, motion.qdd.channel_mut(joint))?;
     }
     Ok(motion)
 }

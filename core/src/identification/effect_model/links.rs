@@ -3,7 +3,7 @@
 use super::arm::Arm;
 use super::state::EffectModel;
 use crate::dynamics::Motion;
-use crate::effects::{Gear, GearTrain, behind_encoder, behind_gears, sharp};
+use crate::effects::{Gear, GearTrain, behind_encoder, behind_gears, unsmoothed};
 use crate::error::Result;
 use crate::identification::preparation::prepare::Prepared;
 use crate::recording::Recording;
@@ -53,7 +53,7 @@ impl EffectModel<'_> {
             arm,
             motors: &prepared.motion,
             period,
-            sharp: Box::new(move || Ok(Cow::Owned(sharp(&log.q, period)?))),
+            sharp: Box::new(move || Ok(Cow::Owned(unsmoothed(&log.q, period)?))),
             smoothed: Box::new(|joint, signal| prepared.filtered_like_positions(joint, signal)),
         }
     }

@@ -4,7 +4,7 @@ use super::gear::{DAMPING_TIME_S, Gear};
 use crate::channels::Channels;
 use crate::dynamics::Motion;
 use crate::error::Result;
-use crate::signal::{ZeroPhaseLowPass, first_derivative, second_derivative, smooth_derivatives};
+use crate::signal::{ZeroPhaseLowPass, first_derivative, noise_floor, second_derivative, smooth_derivatives};
 use std::borrow::Cow;
 
 /// Most rounds in which the twists of elastic gears settle, and the change of the largest twist, over itself, at which they have.
@@ -20,8 +20,12 @@ const SLOWEST_SWING_HZ: f64 = 1.5;
 /// Highest cut-off of that low-pass over the sample rate; a link that swings faster needs none.
 const FILTER_SHARE: f64 = 0.45;
 
-/// Cut-off of the positions along which play is followed, Hz, and its largest share of the sample rate. Teeth meet within milliseconds, and
-/// smoother positions show that too early; in accelerations of positions as measured the encoder's noise throws a link through its play.
+/// Play is followed along positions up to the frequency at which the encoder's noise makes this share of the accelerations, as root mean
+/// squares: teeth meet within milliseconds, and smoother positions show that too early; the noise of rougher ones throws a link through
+/// its play.
+const NOISE_OF_ACCELERATION: f64 = 0.05;
+
+/// Lowest such frequency, Hz, and its largest share of the sample rate, above which positions are taken as measured.
 const SHARP_HZ: f64 = 60.0;
 const SHARP_SHARE: f64 = 0.4;
 
@@ -33,7 +37,7 @@ pub(crate) trait GearTrain {
     /// Motion of the motors, smooth.
     fn motors(&self) -> &Motion;
 
-    /// The same hardly smoothed ([`sharp`]), or not at all.
+    /// The same hardly smoothed ([`sharp`]).
     ///
     /// # Errors
     /// If the log is too short for the filter.
@@ -55,30 +59,38 @@ pub(crate) trait GearTrain {
     fn smoothed(&self, joint: usize, signal: &[f64]) -> Result<Vec<f64>>;
 }
 
-/// The motion along which play is followed where encoders are coarse, from positions as measured.
+/// The motion along which play is followed, from positions as measured.
 ///
 /// # Errors
-/// If there are too few samples for the filter.
+/// If there are too few samples for the filters.
 pub(crate) fn sharp(measured: &Channels, period: f64) -> Result<Motion> {
-    let low_pass = ZeroPhaseLowPass::new(SWING_ORDER, SHARP_HZ.min(SHARP_SHARE / period), 1.0 / period)?;
-    let mut q = measured.clone();
+    let (rate_hz, mut q) = (1.0 / period, measured.clone());
+    let (lowest, highest) = (SHARP_HZ.min(SHARP_SHARE * rate_hz), SHARP_SHARE * rate_hz);
     for joint in 0..q.channels() {
-        low_pass.apply_in_place(q.channel_mut(joint))?;
+        let mut smooth = measured.channel(joint).to_vec();
+        ZeroPhaseLowPass::new(SWING_ORDER, lowest, rate_hz)?.apply_in_place(&mut smooth)?;
+        let hz = sharpest(noise_floor(measured.channel(joint)), &smooth, rate_hz);
+        if hz <= lowest {
+            q.channel_mut(joint).copy_from_slice(&smooth);
+        } else if hz < highest {
+            ZeroPhaseLowPass::new(SWING_ORDER, hz, rate_hz)?.apply_in_place(q.channel_mut(joint))?;
+        }
     }
-    unsmoothed(&q, period)
-}
-
-/// The motion with positions as measured and their central differences.
-///
-/// # Errors
-/// If there are too few samples to differentiate.
-pub(crate) fn unsmoothed(q: &Channels, period: f64) -> Result<Motion> {
-    let mut motion = Motion { q: q.clone(), qd: q.clone(), qdd: q.clone() };
+    let mut motion = Motion { q: q.clone(), qd: q.clone(), qdd: q };
     for joint in 0..motion.joints() {
-        first_derivative(q.channel(joint), period, motion.qd.channel_mut(joint))?;
-        second_derivative(q.channel(joint), period, motion.qdd.channel_mut(joint))?;
+        first_derivative(motion.q.channel(joint), period, motion.qd.channel_mut(joint))?;
+        second_derivative(motion.q.channel(joint), period, motion.qdd.channel_mut(joint))?;
     }
     Ok(motion)
+}
+
+/// The frequency, Hz, up to which white noise of the standard deviation `noise` makes [`NOISE_OF_ACCELERATION`] of the accelerations of
+/// `smooth` positions: below f that noise has accelerations of the variance noise^2 (2 pi)^4 2 f^5 / (5 rate).
+fn sharpest(noise: f64, smooth: &[f64], rate_hz: f64) -> f64 {
+    let second = |q: &[f64]| ((q[2] - 2.0 * q[1] + q[0]) * rate_hz * rate_hz).powi(2);
+    let mean_square = smooth.windows(3).map(second).sum::<f64>() / smooth.len() as f64;
+    let allowed = NOISE_OF_ACCELERATION.powi(2) * mean_square / (noise.powi(2) * std::f64::consts::TAU.powi(4));
+    (2.5 * rate_hz * allowed).powf(0.2)
 }
 
 /// Motion of the links: that of the motors less the twists of `gears` under the torque that they carry by the model. (The measured
@@ -140,8 +152,7 @@ fn put_behind(motion: &mut Motion, joint: usize, twist: Vec<f64>, period: f64) -
 
 /// Twist of a gear with play: the link falls from flank to flank, which no steady state describes, so its motion is followed in time,
 /// along a motion that is hardly smoothed: following integrates twice, which takes care of most noise. The twist is smoothed like the
-/// positions. A
-/// gear without a compliance of its own is followed with a stiff one, whose share of the twist is taken off.
+/// positions. A gear without a compliance of its own is followed with a stiff one, whose share of the twist is taken off.
 fn play(train: &impl GearTrain, joint: usize, gear: Gear) -> Result<Vec<f64>> {
     let sharp = train.sharp()?;
     let [load, inertia] = load_and_inertia(train, joint, sharp.into_owned());
@@ -200,5 +211,25 @@ mod tests {
         let q = Channels::from_vectors(&[(0..5_000).map(jerk).collect()]);
         let peak = sharp(&q, period).unwrap().q.channel(0)[2_500];
         assert!(peak > 0.9e-3, "{peak}");
+    }
+
+    /// By hand: noise of 1 urad at 1 kHz has accelerations of 0.05 rad/s2 rms up to 83 Hz.
+    #[test]
+    fn play_is_followed_as_sharply_as_the_noise_of_the_accelerations_lets() {
+        let rate_hz = 1_000.0;
+        let root_of_two = 2.0_f64.sqrt();
+        let smooth: Vec<f64> = (0..10_000).map(|k| root_of_two / 9.0 * (3.0 * f64::from(k) / rate_hz).sin()).collect();
+        let hz = |noise| sharpest(noise, &smooth, rate_hz);
+        let expected = (2.5 * 1e3 * (0.05_f64 / 39.478 / 1e-6).powi(2)).powf(0.2);
+        assert!(
+            (hz(1e-6) / expected - 1.0).abs() < 0.02 && (75.0..85.0).contains(&expected),
+            "{} {expected}",
+            hz(1e-6)
+        );
+        assert!(hz(0.0).is_infinite());
+        // Positions without noise are taken as measured.
+        let q = Channels::from_vectors(std::slice::from_ref(&smooth));
+        let followed = sharp(&q, 1.0 / rate_hz).unwrap();
+        assert!(followed.q.channel(0) == smooth);
     }
 }

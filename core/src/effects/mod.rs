@@ -59,7 +59,7 @@ pub use friction::{
     PositionDependentFriction, PreslidingHysteresis, StribeckFriction, ViscousFriction, drive_friction,
 };
 pub use gear::Gear;
-pub(crate) use gear_train::{GearTrain, behind_gears, sharp, unsmoothed};
+pub(crate) use gear_train::{GearTrain, behind_gears, sharp};
 pub use gears::{Backlash, JointCoupling, JointElasticity};
 pub(crate) use grid::{Extent, as_size, inside, moved};
 pub use law::{Effect, Instant};

@@ -32,9 +32,7 @@ impl Traces {
                     continue;
                 }
                 impacts += 1;
-                let q: Vec<f64> = (0..rows.dof()).map(|other| motion.q.channel(other)[change]).collect();
-                let inertia = arm.inertia_about(joint, &q);
-                let inertia = Some(inertia).filter(|inertia| *inertia > 0.0);
+                let inertia = Some(arm.inertia_along(joint, motion, change)).filter(|inertia| *inertia > 0.0);
                 gaps.extend(inertia.and_then(|inertia| trace.flight(joint, change, inertia, arm.rotor(joint), jump)));
             }
         }

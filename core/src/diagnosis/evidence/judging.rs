@@ -1,7 +1,9 @@
 //! Judging candidates: score test, whether the estimate can be, and the shapes at which the test is largest.
 
 use crate::diagnosis::criteria::Judgement;
-use crate::diagnosis::model::{Candidate, Member, Moved, Session, extent, is_gap, is_level, linear, prior, shapes};
+use crate::diagnosis::model::{
+    Candidate, Member, Moved, Session, extent, follows_estimate, is_gap, linear, prior, shapes,
+};
 use crate::diagnosis::noise::Whitener;
 use crate::diagnosis::regression::{Column, Projection, Test};
 use crate::effects::{Parameter, Placed, Role, as_size, moved};
@@ -161,9 +163,8 @@ impl Session<'_> {
                 break;
             }
         }
-        let departs =
-            linear(effect).iter().any(|&k| effect.parameters()[k].role == Role::Departure && !is_gap(effect, k));
-        for _ in 0..if departs && !is_level(effect) { SECANTS } else { 0 } {
+        let follows = linear(effect).into_iter().any(|index| follows_estimate(effect, index));
+        for _ in 0..if follows { SECANTS } else { 0 } {
             let mut placed = best.candidate.placed.clone();
             for (&index, &value) in linear(effect).iter().zip(&best.test.values) {
                 placed.parameters[index] = as_size(&effect.parameters()[index], value);

@@ -47,10 +47,8 @@ pub struct Log {
     pub position_noise: Vec<f64>,
     /// Measured positions, rad or m.
     measured: Channels,
-    /// Factor on the encoder's noise from which it is motion ([`Levels::stands_out`]).
-    stands_out: f64,
-    /// The same from which that noise shifts nothing in time ([`Levels::clear`]).
-    clear_from: f64,
+    /// The levels that say what is motion and what an encoder's noise.
+    levels: Levels,
     /// [`Log::clear`], once it has been computed.
     clear: OnceLock<Motion>,
     /// [`Log::sharp`], once it has been computed.
@@ -95,8 +93,7 @@ impl Log {
             block: block(rate),
             noisy: vec![false; recording.joints()],
             measured: recording.q.clone(),
-            stands_out: levels.stands_out,
-            clear_from: levels.clear(),
+            levels: *levels,
             clear: OnceLock::new(),
             sharp: OnceLock::new(),
             noise_from_hz: OnceLock::new(),
@@ -151,7 +148,7 @@ impl Log {
         let mut clear = self.motion.clone();
         let (rate_hz, last) = (1.0 / self.period, self.time.len() - 1);
         for joint in 0..clear.joints() {
-            let hz = clear_of_noise(self.measured.channel(joint), rate_hz, self.clear_from)?;
+            let hz = clear_of_noise(self.measured.channel(joint), rate_hz, self.levels.clear())?;
             let slow = clear.qdd.channel_mut(joint);
             ZeroPhaseLowPass::new(ORDER, hz, rate_hz)?.apply_in_place(slow)?;
             for (sample, (slow, all)) in slow.iter_mut().zip(self.motion.qdd.channel(joint)).enumerate() {
@@ -183,7 +180,7 @@ impl Log {
         if let Some(noise_from_hz) = self.noise_from_hz.get() {
             return Ok(noise_from_hz);
         }
-        let of_joint = |joint| mostly_noise(self.measured.channel(joint), 1.0 / self.period, self.stands_out);
+        let of_joint = |joint| mostly_noise(self.measured.channel(joint), 1.0 / self.period, self.levels.stands_out);
         let all = (0..self.measured.channels()).into_par_iter().map(of_joint).collect::<Result<Vec<f64>>>()?;
         Ok(self.noise_from_hz.get_or_init(|| all))
     }
@@ -210,7 +207,7 @@ impl Log {
         let usual = sizes.select_nth_unstable_by(middle, f64::total_cmp).1.to_owned();
         let (settled, last) = ((MEMORY_OF_ENDS / hz * rate_hz) as usize, above.len().saturating_sub(1));
         for (k, (above, rate)) in above.iter_mut().zip(&mut rate).enumerate() {
-            if above.abs() > self.stands_out * usual || k.min(last - k) < settled {
+            if above.abs() > self.levels.stands_out * usual || k.min(last - k) < settled {
                 (*above, *rate) = (0.0, 0.0);
             }
         }

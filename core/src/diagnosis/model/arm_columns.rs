@@ -248,19 +248,9 @@ impl Arm {
         }
     }
 
-    /// Torque along a log with the gear of one joint that gives way.
-    #[cfg(test)]
-    pub(crate) fn torque_with(&self, joint: usize, gear: Gear, log: &Log) -> Channels {
-        let carried = self.load(&log.motion);
-        let mut torque = self.torque(&log.motion, &log.motion);
-        let change = self.behind_gear(joint, gear, log, &carried).unwrap();
-        torque.as_mut_slice().iter_mut().zip(change.as_slice()).for_each(|(torque, change)| *torque += change);
-        torque
-    }
-
     /// Change of the torque that the gears carry, which is `carried` behind stiff ones, by one that gives way. Rotors and friction are on
     /// the motors' side.
-    fn behind_gear(&self, joint: usize, gear: Gear, log: &Log, carried: &Channels) -> Result<Channels> {
+    pub(crate) fn behind_gear(&self, joint: usize, gear: Gear, log: &Log, carried: &Channels) -> Result<Channels> {
         let mut torque = self.load(&behind_gears(&self.geared(log), &[(joint, gear)])?);
         torque.subtract(carried);
         Ok(torque)

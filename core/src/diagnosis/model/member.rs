@@ -1,9 +1,9 @@
 //! An effect in the model.
 
 use super::candidates::Candidate;
-use super::roles::{bounded, is_gap, is_level, linear, shapes};
+use super::roles::{bounded, follows_estimate, linear, shapes};
 use crate::diagnosis::criteria::Levels;
-use crate::effects::{Placed, Role};
+use crate::effects::Placed;
 
 /// Share of a typical departure below which one acts in proportion to its size, and its column would be rounding.
 const SMALL: f64 = 0.1;
@@ -84,8 +84,7 @@ impl Member {
         for (index, &estimate) in linear(effect).into_iter().zip(&self.factors) {
             let parameter = &effect.parameters()[index];
             let size = bounded(parameter, estimate);
-            let stays = is_level(effect) || is_gap(effect, index);
-            if parameter.role == Role::Departure && !stays && size.abs() > SMALL * parameter.typical.abs() {
+            if follows_estimate(effect, index) && size.abs() > SMALL * parameter.typical.abs() {
                 self.candidate.placed.parameters[index] = size;
             }
         }

@@ -32,6 +32,8 @@ pub(crate) use known::Known;
 pub use member::Member;
 pub(crate) use prepared::PreparedLogs;
 pub use roles::is_level;
-pub(crate) use roles::{ENDS_OF_EVENT_S, acts_upon_arm, bends, is_event, is_gap, is_shift, linear, prior, shapes};
+pub(crate) use roles::{
+    ENDS_OF_EVENT_S, acts_upon_arm, bends, follows_estimate, is_event, is_gap, is_shift, linear, prior, shapes,
+};
 pub(crate) use session::Fit;
 pub use session::Session;

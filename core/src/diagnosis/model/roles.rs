@@ -22,13 +22,18 @@ pub fn is_level(effect: &dyn Effect) -> bool {
 /// Whether the torque of a departure is not straight in it: times by which signals are moved, the compliance of gears, on which links
 /// swing, and their play.
 pub(crate) fn bends(effect: &dyn Effect, index: usize) -> bool {
-    matches!(effect.search(index), Search::Shift | Search::Compliance) || is_gap(effect, index)
+    matches!(effect.search(index), Search::Shift | Search::Compliance | Search::Gap)
 }
 
 /// Whether a departure is the play of a gear: its size decides when the teeth meet. Torque taken at the wrong moment is none of it, so that
 /// the size is where the test is largest, and repeated estimates at the last estimate do not lead there.
 pub(crate) fn is_gap(effect: &dyn Effect, index: usize) -> bool {
     effect.search(index) == Search::Gap
+}
+
+/// Whether the column of a parameter is taken at its estimate: that of a departure, but of levels and plays, whose sizes are looked for.
+pub(crate) fn follows_estimate(effect: &dyn Effect, index: usize) -> bool {
+    effect.parameters()[index].role == Role::Departure && !is_level(effect) && !is_gap(effect, index)
 }
 
 /// A value within the bounds of its parameter.

@@ -5,7 +5,7 @@ use super::verdict::Verdict;
 use crate::diagnosis::Options;
 use crate::diagnosis::criteria::{Criteria, Gate, Judgement, Levels};
 use crate::diagnosis::evidence::{Play, Traces, family_wise};
-use crate::diagnosis::logs::Rows;
+use crate::diagnosis::logs::{Log, Rows};
 use crate::diagnosis::model::{
     ArmModel, Candidate, DataSet, Family, Member, PreparedLogs, Session, columns, extent, is_candidate,
 };
@@ -155,10 +155,8 @@ pub(super) fn rotors_behind_play(
 
 /// Inertia of the arm as found about a joint in the middle of the first log, kg m2 (kg).
 fn typical_inertia(arm: &Arm, rows: &Rows, joint: usize) -> f64 {
-    let Some(log) = rows.logs.first() else { return 0.0 };
-    let middle = log.motion.samples() / 2;
-    let q: Vec<f64> = (0..rows.dof()).map(|other| log.motion.q.channel(other)[middle]).collect();
-    arm.inertia_about(joint, &q)
+    let middle = |log: &Log| arm.inertia_along(joint, &log.motion, log.motion.samples() / 2);
+    rows.logs.first().map_or(0.0, middle)
 }
 
 /// Whether the held-out logs show impacts too, by the logarithm of their p-value; with no change of sign of the load they cannot.
@@ -205,7 +203,6 @@ mod tests {
     use crate::diagnosis::logs::FEWEST_ROWS;
     use crate::diagnosis::model::Fit;
     use crate::diagnosis::test_logs::log;
-    use crate::effects::Gear;
     use crate::identification::effect_model::Trust;
     use crate::identification::model::Model;
     use crate::robot::{InertiaCheck, load};
@@ -237,10 +234,9 @@ mod tests {
         let logs = [1, 2, 3].map(|seed| {
             let mut log = log(&arm, seed);
             let rows = Rows::new(&[&log], 20.0, FEWEST_ROWS).unwrap();
-            let [with, without] =
-                [gear, Gear { half_gap: 0.0, ..gear }].map(|gear| arm.torque_with(1, gear, &rows.logs[0]));
-            let change = with.as_slice().iter().zip(without.as_slice()).map(|(with, without)| with - without);
-            log.tau.as_mut_slice().iter_mut().zip(change).for_each(|(tau, change)| *tau += change);
+            let carried = arm.load(&rows.logs[0].motion);
+            let change = arm.behind_gear(1, gear, &rows.logs[0], &carried).unwrap();
+            log.tau.as_mut_slice().iter_mut().zip(change.as_slice()).for_each(|(tau, change)| *tau += change);
             log
         });
         let model = Model::new(&described);

@@ -135,7 +135,10 @@ impl Arm {
             let own = (0..kept.len()).find(|&b| (first + MOMENTS..rotor).contains(&kept[b]) && shares[b] > 0.5);
             let more = own.map_or(0.0, |own| (standard[kept[own]] - described[kept[own]]) / shares[own]);
             let of_rotor = if described[rotor] == 0.0 { more.max(0.0) } else { 0.0 };
-            move_to_rotor(model, joint, of_rotor + self.to_rotors[joint], standard);
+            let more = of_rotor + self.to_rotors[joint];
+            if more != 0.0 {
+                move_to_rotor(model, joint, more, standard);
+            }
         }
     }
 
@@ -158,7 +161,13 @@ impl Arm {
         inverse_dynamics(&self.chain, &self.found.inertial_parameters(), motion)
     }
 
-    /// Inertia of the arm as found about one of its joints at `q`, kg m2 (kg for one that slides).
+    /// Inertia of the arm as found about one of its joints at a sample of a motion, kg m2 (kg for one that slides).
+    pub(crate) fn inertia_along(&self, joint: usize, motion: &Motion, sample: usize) -> f64 {
+        let q: Vec<f64> = (0..motion.joints()).map(|other| motion.q.channel(other)[sample]).collect();
+        self.inertia_about(joint, &q)
+    }
+
+    /// The same at the positions `q`.
     pub(crate) fn inertia_about(&self, joint: usize, q: &[f64]) -> f64 {
         mass_matrix(&self.chain, &self.found.inertial_parameters(), q)[(joint, joint)]
     }
@@ -230,13 +239,19 @@ mod tests {
     use super::*;
     use crate::robot::{InertiaCheck, load};
 
-    /// Base parameters of the IRB 1600 as they are give its torque back, shared rightly among bodies and rotors.
-    #[test]
-    fn a_description_without_rotors_leaves_what_is_more_to_them() {
+    /// The IRB 1600, and its description without rotors.
+    fn with_and_without_rotors() -> [Robot; 2] {
         let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../urdf/irb1600_6_120.urdf");
         let real = load(path, InertiaCheck::Required).unwrap();
         let mut described = real.clone();
         described.joints.iter_mut().for_each(|joint| joint.drive.armature = 0.0);
+        [real, described]
+    }
+
+    /// Base parameters of the IRB 1600 as they are give its torque back, shared rightly among bodies and rotors.
+    #[test]
+    fn a_description_without_rotors_leaves_what_is_more_to_them() {
+        let [real, described] = with_and_without_rotors();
         let model = Model::new(&described);
         let mut arm = Arm::new(&described, Trust::Structure);
         arm.take(&model, &model.base().values(&Model::standard_values(&real)));
@@ -276,10 +291,7 @@ mod tests {
     /// Only the sum of link and rotor is determined on the first two joints of a 6R arm; the third turns parallel to the second.
     #[test]
     fn inertia_moves_to_a_rotor_where_only_the_sum_is_determined() {
-        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../urdf/irb1600_6_120.urdf");
-        let real = load(path, InertiaCheck::Required).unwrap();
-        let mut robot = real.clone();
-        robot.joints.iter_mut().for_each(|joint| joint.drive.armature = 0.0);
+        let [real, robot] = with_and_without_rotors();
         let model = Model::new(&robot);
         let arm = Arm::new(&robot, Trust::Structure);
         let wave = |order: i32| -> Vec<Vec<f64>> {

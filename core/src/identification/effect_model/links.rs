@@ -3,7 +3,7 @@
 use super::arm::Arm;
 use super::state::EffectModel;
 use crate::dynamics::Motion;
-use crate::effects::{Gear, GearTrain, behind_encoder, behind_gears, unsmoothed};
+use crate::effects::{Gear, GearTrain, behind_encoder, behind_gears, sharp};
 use crate::error::Result;
 use crate::identification::preparation::prepare::Prepared;
 use crate::recording::Recording;
@@ -53,7 +53,7 @@ impl EffectModel<'_> {
             arm,
             motors: &prepared.motion,
             period,
-            sharp: Box::new(move || Ok(Cow::Owned(unsmoothed(&log.q, period)?))),
+            sharp: Box::new(move || Ok(Cow::Owned(sharp(&log.q, period)?))),
             smoothed: Box::new(|joint, signal| prepared.filtered_like_positions(joint, signal)),
         }
     }
@@ -70,7 +70,7 @@ pub(crate) struct Geared<'a> {
     pub motors: &'a Motion,
     /// Time between two samples, s.
     pub period: f64,
-    /// The motion hardly smoothed.
+    /// The motion along which play is followed, hardly smoothed or not at all.
     pub sharp: Box<dyn Fn() -> Result<Cow<'a, Motion>> + 'a>,
     /// A signal of a joint through the low-pass that its positions went through.
     pub smoothed: Box<Filter<'a>>,

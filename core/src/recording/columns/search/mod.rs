@@ -61,6 +61,11 @@ impl Layout {
             Some(joints) => joints.to_vec(),
             None => own_names(&meanings),
         };
+        let of_joints = numbers_in_names(&names, names.len());
+        let numbered = |number: usize| numbered_joint(&names, &of_joints, number);
+        let by_numbers = |own: &[String]| -> BTreeMap<String, usize> {
+            numbers_in_names(own, names.len()).into_iter().map(|(name, number)| (name, numbered(number))).collect()
+        };
         let mut understood: Vec<String> = on_bare.into_iter().collect();
         let mut numbers = BTreeMap::new();
         if joints.is_some() && !any_position(&meanings, &names) {
@@ -69,7 +74,7 @@ impl Layout {
                 numbers = found;
             } else {
                 // Whole names are surer than numbers in them, of which robots have theirs in any order.
-                numbers = numbers_in_names(&own_names(&meanings), names.len());
+                numbers = by_numbers(&own_names(&meanings));
                 if let (Some((first, _)), Some(name)) = (numbers.first_key_value(), names.first()) {
                     // A name that is cut behind its number has its bracket open.
                     let close = if first.contains('[') && !first.contains(']') { "]" } else { "" };
@@ -77,7 +82,6 @@ impl Layout {
                         format!("joints are taken by the numbers in their names, {first}{close} for {name} and so on");
                     understood.push(text);
                 }
-                numbers.values_mut().for_each(|number| *number = numbered_joint(&names, *number));
             }
         }
         let mut used = BTreeSet::new();
@@ -110,10 +114,9 @@ impl Layout {
             }
             // The drives have other names than the joints, but the same numbers.
             if own.is_empty() && !truth && joints.is_some() && quantity == names::TORQUE {
-                let mut by_numbers = numbers_in_names(&names_of(&meanings, quantity), names.len());
-                by_numbers.values_mut().for_each(|number| *number = numbered_joint(&names, *number));
-                own = candidates(&meanings, &names, &by_numbers, truth, quantity);
-                if let Some((name, number)) = by_numbers.iter().find(|_| !own.is_empty()) {
+                let of_drives = by_numbers(&names_of(&meanings, quantity));
+                own = candidates(&meanings, &names, &of_drives, truth, quantity);
+                if let Some((name, number)) = of_drives.iter().find(|_| !own.is_empty()) {
                     understood.push(format!(
                         "torques are taken by the numbers in their names, {name} for {} and so on",
                         names[number - 1]
@@ -132,7 +135,7 @@ impl Layout {
             for candidate in family {
                 let number = match candidate.joint {
                     Place::Index(index) => index,
-                    Place::Number(number) => numbered_joint(&names, number + 1 - base.unwrap_or(1)),
+                    Place::Number(number) => numbered(number + 1 - base.unwrap_or(1)),
                 };
                 let second = found[usize::from(truth)][quantity].insert(number, candidate.column);
                 if let Some(first) = second.filter(|first| demand.lenient && header[*first] == header[candidate.column])
@@ -258,10 +261,9 @@ impl Layout {
     }
 }
 
-/// The place, counted from 1, of the joint with a number: in the joints' own numbers where their names have them, which on a tree need not
+/// The place, counted from 1, of the joint with a number: in the joints' `own` numbers where their names have them, which on a tree need not
 /// be their order, else in their order.
-fn numbered_joint(names: &[String], number: usize) -> usize {
-    let own = numbers_in_names(names, names.len());
+fn numbered_joint(names: &[String], own: &BTreeMap<String, usize>, number: usize) -> usize {
     names.iter().position(|name| own.get(name) == Some(&number)).map_or(number, |place| place + 1)
 }
 

@@ -245,8 +245,7 @@ pub(super) fn verdict(found: &[Found], inertias: bool, unexplained: &[Unexplaine
     }
 }
 
-/// Withdraws the findings that unexplained structure replaces, those on joints of which much stays unexplained with certainty, and those
-/// with which the held-out logs are predicted worse.
+/// Withdraws the findings that unexplained structure replaces, and those on joints of which much stays unexplained with certainty.
 /// `residuals` are the root mean squares of the held-out residuals of baseline and extended model, `noise` the floor's,
 /// `[joint]`. What impacts show does not rest on residuals and stays.
 pub(super) fn withdraw(
@@ -279,22 +278,10 @@ pub(super) fn withdraw(
         let on_joints: Option<Vec<Judgement>> = on_joints.collect();
         let open = on_joints.filter(|_| one.member.candidate.log.is_none()).unwrap_or_default();
         let is_open = !open.is_empty() && open.iter().all(|judgement| !judgement.passed);
-        let failed = open.into_iter().filter(|_| is_open).chain([predicts(one, noise, criteria)]);
-        if let Some(failed) = Judgement::first_failed(failed) {
+        if let Some(failed) = Judgement::first_failed(open.into_iter().filter(|_| is_open)) {
             one.withdraw(failed);
         }
     }
-}
-
-/// Held-out residual with a finding over that without it, on the joints that it acts on together, in squares over the noise: one that fits
-/// the training logs alone is not what these joints have in common with the held-out ones. `noise` is the floor's root mean square,
-/// `[joint]`.
-fn predicts(found: &Found, noise: &[f64], criteria: &Criteria) -> Judgement {
-    let joints = found.member.candidate.joints();
-    let [before, after] =
-        found.rms.each_ref().map(|rms| joints.iter().map(|&j| (rms[j] / noise[j]).powi(2)).sum::<f64>());
-    // What does not grow is not worse, also where both are zero.
-    Judgement::at_most(Gate::Predicts, after / before, criteria.worse().powi(2)).or(after <= before)
 }
 
 /// Whether a delay or a lag is more than sampling makes: torque that is held over a step is half a sample late, and read at the other end
@@ -391,19 +378,5 @@ mod tests {
         assert_eq!(nearest(&all, 0).unwrap().size[0], 0.4);
         assert!(nearest(&all, 1).is_none(), "a spring acts on its joint alone");
         assert!(nearest(&all[1..2], 0).is_none());
-    }
-
-    #[test]
-    fn a_name_that_predicts_its_joint_worse_is_taken_back() {
-        // 1.2 and 1.11 times as much is worse, 1.09 is not; nor is what happens on another joint.
-        let after = [[1.2, 1.0], [1.11, 1.0], [1.09, 1.0], [0.5, 3.0]];
-        let mut found: Vec<Found> = after.into_iter().map(|after| spring([1.0, 1.0], after)).collect();
-        withdraw(&mut found, &[], [&[1.0, 1.0], &[1.0, 1.0]], &[0.5, 0.5], &Criteria::default());
-        let stay: Vec<bool> = found.iter().map(|one| one.verdict == Verdict::Named).collect();
-        assert_eq!(stay, [false, false, true, true]);
-        let mut silent = [spring([0.0, 1.0], [0.0, 1.0])];
-        withdraw(&mut silent, &[], [&[0.0, 1.0], &[0.0, 1.0]], &[0.5, 0.5], &Criteria::default());
-        assert_eq!(silent[0].verdict, Verdict::Named, "no residual grows");
-        assert_eq!(found[0].withdrawn.map(|failed| failed.gate), Some(Gate::Predicts));
     }
 }

@@ -40,10 +40,11 @@ pub struct Minor {
     pub size: Vec<f64>,
 }
 
-/// The largest finding on a joint, of those that generic functions explain as well or whose size differs from block to block: the law that
-/// comes nearest to what stays unexplained there.
+/// The largest finding on a joint, of those that generic functions explain as well, whose size differs from block to block or that fit the
+/// training logs alone: the law that comes nearest to what stays unexplained there.
 pub(crate) fn nearest(minor: &[Minor], joint: usize) -> Option<&Minor> {
-    let alike = minor.iter().filter(|one| matches!(one.failed.gate, Gate::BeyondStructure | Gate::Strength));
+    let alike =
+        minor.iter().filter(|one| matches!(one.failed.gate, Gate::BeyondStructure | Gate::Strength | Gate::Predicts));
     let own = alike.filter(|one| one.found.member.candidate.joints().contains(&joint));
     own.max_by(|a, b| a.size[joint].total_cmp(&b.size[joint]))
 }

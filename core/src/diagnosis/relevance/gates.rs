@@ -104,6 +104,7 @@ impl<'a> Judge<'a> {
     }
 
     fn judged(&self, kept: &[usize], index: usize, with: &[Column; 2]) -> Judged {
+        let criteria = &self.session.criteria;
         let member = &self.members[kept[index]];
         let others: Vec<usize> = kept.iter().copied().filter(|&other| other != kept[index]).collect();
         let without = self.fit.residuals(&others);
@@ -123,7 +124,7 @@ impl<'a> Judge<'a> {
         let strength = if is_level { None } else { self.fit.strength(kept, index) };
         if let Some([strength, std, freedom]) = strength {
             let p = StudentsT::new(0.0, 1.0, freedom).map_or(1.0, |law| 2.0 * law.sf((strength / std).abs()));
-            judgements.push(Judgement::at_most(Gate::Strength, p, self.session.criteria.levels.strict_p));
+            judgements.push(Judgement::at_most(Gate::Strength, p, criteria.levels.strict_p));
         }
         // What happened in one training log shows in no other.
         if member.candidate.log.is_none() {
@@ -132,6 +133,9 @@ impl<'a> Judge<'a> {
                 judgements.push(self.on_own_joints(&own, [&without[1], &with[1]]));
             }
             judgements.push(self.on_held_out_logs(&joints, [&without[1], &with[1]]));
+            let valid = &self.session.logs.test.rows.valid;
+            let residuals = [&without[1], &with[1]].map(|residual| rms(valid, residual));
+            judgements.push(predicts(&joints, &residuals, &self.noise, criteria));
             judgements.push(self.on_every_joint([&without[1], &with[1]]));
         }
         if is_shift(member.placed.effect) && member.placed.effect.about().scope == Scope::Arm {
@@ -275,6 +279,16 @@ pub(super) fn predicts_every_joint(factor: f64, criteria: &Criteria) -> Judgemen
     Judgement::at_most(Gate::EveryJoint, factor, criteria.worse())
 }
 
+/// Held-out residual of the `joints` that a finding acts on together with it over that without it, in squares over the `noise`: one that
+/// fits the training logs alone is not what these joints have in common with the held-out ones. A slow residual grows by it without being
+/// significant: such a finding belongs in no model. `residuals` are those before and after, and the noise, root mean squares, `[joint]`.
+fn predicts(joints: &[usize], residuals: &[Vec<f64>; 2], noise: &[f64], criteria: &Criteria) -> Judgement {
+    let [before, after] =
+        residuals.each_ref().map(|rms| joints.iter().map(|&j| (rms[j] / noise[j]).powi(2)).sum::<f64>());
+    // What does not grow is not worse, also where both are zero.
+    Judgement::at_most(Gate::Predicts, after / before, criteria.worse().powi(2)).or(after <= before)
+}
+
 /// Whether a shift with so much torque of its `own` on every joint is left on most of them `together` with lags: `most` of it on `most` joints.
 fn not_undone(own: &[f64], together: &[f64], most: f64) -> Judgement {
     let acting: Vec<bool> =
@@ -331,6 +345,21 @@ mod tests {
         }
         let worse = criteria.worse();
         assert!(predicts_every_joint(worse, &criteria).passed && !predicts_every_joint(worse + 1e-9, &criteria).passed);
+    }
+
+    #[test]
+    fn a_finding_that_predicts_its_joints_worse_belongs_in_no_model() {
+        let criteria = Criteria::default();
+        let on_first = |before: f64, after: f64, others: f64| {
+            predicts(&[0], &[vec![before, 1.0], vec![after, others]], &[0.5, 0.5], &criteria).passed
+        };
+        // 1.2 and 1.11 times as much is worse, 1.09 is not; nor is what happens on another joint.
+        assert!(!on_first(1.0, 1.2, 1.0) && !on_first(1.0, 1.11, 1.0));
+        assert!(on_first(1.0, 1.09, 1.0) && on_first(1.0, 0.5, 3.0));
+        assert!(on_first(0.0, 0.0, 1.0), "no residual grows");
+        // Two joints together, each over its noise.
+        let both = |after: [f64; 2]| predicts(&[0, 1], &[vec![1.0; 2], after.to_vec()], &[0.5, 5.0], &criteria).passed;
+        assert!(both([1.0, 3.0]) && !both([1.2, 0.1]));
     }
 
     #[test]

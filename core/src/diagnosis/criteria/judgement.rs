@@ -59,7 +59,7 @@ pub enum Gate {
     HeldOutLogs,
     /// No joint is predicted worse than by the baseline: factor on the residual of the one that is worst.
     EveryJoint,
-    /// Lags of single joints do not undo a shift of all torques: share of the joints on which they do.
+    /// Lags of single joints do not undo a shift of all torques: number of joints on which they do.
     Undone,
     /// It explains more than generic functions do: gain of the logarithm of the restricted likelihood.
     BeyondStructure,
@@ -127,7 +127,7 @@ impl Gate {
             Gate::OwnJoint => "explains nothing of the held-out residual of its own joint",
             Gate::HeldOutLogs => "is contradicted by a held-out log",
             Gate::EveryJoint => "makes a joint's held-out prediction worse",
-            Gate::Undone => "is undone by lags on most joints",
+            Gate::Undone => "is undone by lags on several joints",
             Gate::BeyondStructure => "explains no more than generic functions do",
             Gate::Needed => "is superfluous with the other findings in the model",
             Gate::Parsimony => "explains less than the two findings whose place it would take",

@@ -183,7 +183,7 @@ pub trait Effect: Sync {
     }
 
     /// Largest share that it can have, in root mean square, of its joint's torque, which where the drive idles is taken for a share of the
-    /// drive's limit; None where there is no such share.
+    /// drive's limit; that share of the limit it can always have. None where there is no such share.
     fn largest_share(&self) -> Option<f64> {
         None
     }

@@ -92,11 +92,29 @@ impl Session<'_> {
         let joint = candidate.placed.joint;
         let of_effect = rms(valid, &own)[joint];
         let all = Column::on(joint, self.logs.train.rows.torque[joint].clone());
-        // A wrist that carries next to nothing has the offset and the hoses of a drive that could carry more: every joint is taken to work
-        // with a minor part of its drive.
         let limit = self.model.base.robot().joints[joint].limits.effort;
         let of_drive = if limit.is_finite() { self.criteria.levels.minor * limit } else { 0.0 };
-        let can_be = share * rms(valid, &all)[joint].max(of_drive);
+        let can_be = largest(share, rms(valid, &all)[joint], of_drive);
         most.max(if of_effect > 0.0 { of_effect / can_be } else { 0.0 })
+    }
+}
+
+/// Largest torque of a law that can have a `share` of its joint's `torque`. A wrist that carries next to nothing has the offset and the hoses
+/// of a drive that could carry more: every joint is taken to work with a minor part `of_drive`, and that much a law can have on any.
+fn largest(share: f64, torque: f64, of_drive: f64) -> f64 {
+    (share * torque.max(of_drive)).max(of_drive)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A hose of 1.2 N m on a wrist of 1.6 N m whose drive has 20: without it a strut was named there.
+    #[test]
+    fn a_law_can_have_its_share_of_the_torque_or_a_minor_part_of_the_drive() {
+        assert_eq!(largest(0.5, 1.6, 2.0), 2.0);
+        assert_eq!(largest(0.5, 10.0, 2.0), 5.0);
+        assert_eq!(largest(0.5, 1.6, 0.0), 0.8);
+        assert_eq!(largest(10.0, 1.6, 2.0), 20.0);
     }
 }

@@ -69,7 +69,8 @@ pub fn joint_names(path: impl AsRef<Path>, known: &[String], map: &ColumnMap) ->
     if let Some(q) = &map.q {
         return Ok(JointNames { numbered: q.len(), ..JointNames::default() });
     }
-    Ok(columns::joint_names(source::open(path.as_ref(), Some(known), map)?.header(), known))
+    let source = source::open(path.as_ref(), Some(known), map)?;
+    Ok(columns::joint_names(&columns::placed(source.header(), &map.addresses).header, known))
 }
 
 /// Reads a log and leaves out rows that are ragged or not numeric, not finite, absurd, or out of time. `joints` are the
@@ -110,7 +111,8 @@ fn read(paths: &[PathBuf], joints: Option<&[String]>, map: &ColumnMap, positions
         return Err(Error::input(path, source.line(), "effort", problem));
     }
     let header = sources.iter().flat_map(Source::header).cloned().collect();
-    let mut header = map.rename(path, header)?;
+    let placed = columns::placed(&map.rename(path, header)?, &map.addresses);
+    let mut header = placed.header;
     join::name_by_files(paths, &sources, &mut header);
     let times = join::hide_times(&sources, &mut header);
     let own = sources[0].own_joints();
@@ -125,6 +127,7 @@ fn read(paths: &[PathBuf], joints: Option<&[String]>, map: &ColumnMap, positions
     let mut layout = Layout::search(path, sources[0].line(), &header, joints.or(own.as_deref()), demand)?;
     let join::Joined { mut columns, mut lines, rejected: unreadable, notes: joined } =
         join::rows(paths, &mut sources, &header, &layout.used(), &times.of_files)?;
+    layout.understood.extend(placed.note);
     layout.understood.extend(joined);
     layout.understood.extend(sentinel::removed(&layout, &header, &mut columns));
     let empty = missing::empty_columns(&layout, &columns);
@@ -152,7 +155,7 @@ fn read(paths: &[PathBuf], joints: Option<&[String]>, map: &ColumnMap, positions
     let rejected = rows.sieve(&layout, unreadable);
     let notes = std::mem::take(&mut layout.notes).into_iter().chain(sources.iter().flat_map(Source::notes)).collect();
     let unknown_joints = std::mem::take(&mut layout.unknown_joints);
-    let (currents, of_motors, of_controller) = (layout.currents, layout.of_motors, layout.of_controller.take());
+    let (currents, of_motors, of_controller) = (layout.currents, layout.of_motors || placed.of_motors, layout.of_controller.take());
     let of_names = layout.units();
     let mut recording = layout.recording(rows.columns);
     let (converted, doubts) = units::in_si(&mut recording, of_names, map.known_units);

@@ -82,8 +82,23 @@ fn as_written(column: &str) -> Vec<Meaning> {
     // A joint may be called like a unit: that comes first.
     if let Some((stem, unit)) = without_unit_word(column) {
         out.extend(in_unit(readings(stem), Some(unit)));
+    } else if let Some((stem, letter)) = column.rsplit_once(['_', ' ']).filter(|(_, unit)| unit.len() == 1) {
+        // A letter is a unit where it is one of the quantity before it, `current_A`.
+        let mut of_letter = in_unit(readings(stem), Some(letter));
+        of_letter.retain(|meaning| meaning.unit.is_some_and(|unit| unit.symbol == letter));
+        out.extend(of_letter);
     }
     out
+}
+
+/// A column that is called for a quantity alone, as `position [deg]`, with the joint that it is of.
+pub(crate) fn with_joint(column: &str, joint: &str) -> Option<String> {
+    let (stem, unit) = match without_unit(column) {
+        (stem, Some(unit)) => (stem, Some(unit)),
+        (stem, None) => without_unit_word(stem).map_or((stem, None), |(stem, unit)| (stem, Some(unit))),
+    };
+    let name = format!("{}_{joint}", prefix_of(stem)?);
+    Some(unit.map_or(name.clone(), |unit| format!("{name} [{unit}]")))
 }
 
 /// The prefix of columns of the quantity that a name means by itself, as that of a file: `tau` for `joint_torques`.
@@ -102,8 +117,10 @@ pub(crate) fn unknown_unit<'a>(column: &'a str, quantity: usize, joints: &[Strin
     })
 }
 
+/// Whether a word behind a name is a unit. Joints are called by one or two letters, too.
 fn is_unit_word(word: &str) -> bool {
-    UNIT_WORDS.contains(&bare(word).as_str()) || (word.contains('/') && is_unit(word))
+    let long = bare(word).chars().count() > 2 && is_unit(word);
+    UNIT_WORDS.contains(&bare(word).as_str()) || (word.contains('/') && is_unit(word)) || long
 }
 
 /// A name without the unit behind it, of which a point may be a part, and the unit.

@@ -114,6 +114,7 @@ fn read(paths: &[PathBuf], joints: Option<&[String]>, map: &ColumnMap, positions
     let placed = columns::placed(&map.rename(path, header)?, &map.addresses);
     let mut header = placed.header;
     join::name_by_files(paths, &sources, &mut header);
+    join::name_by_joints(paths, &sources, &mut header);
     let times = join::hide_times(&sources, &mut header);
     let own = sources[0].own_joints();
     let demand = Demand {
@@ -155,7 +156,8 @@ fn read(paths: &[PathBuf], joints: Option<&[String]>, map: &ColumnMap, positions
     let rejected = rows.sieve(&layout, unreadable);
     let notes = std::mem::take(&mut layout.notes).into_iter().chain(sources.iter().flat_map(Source::notes)).collect();
     let unknown_joints = std::mem::take(&mut layout.unknown_joints);
-    let (currents, of_motors, of_controller) = (layout.currents, layout.of_motors || placed.of_motors, layout.of_controller.take());
+    let (currents, of_motors, of_controller) =
+        (layout.currents, layout.of_motors || placed.of_motors, layout.of_controller.take());
     let of_names = layout.units();
     let mut recording = layout.recording(rows.columns);
     let (converted, doubts) = units::in_si(&mut recording, of_names, map.known_units);

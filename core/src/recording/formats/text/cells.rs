@@ -47,16 +47,15 @@ pub(super) fn number(cell: &[u8], decimal_comma: bool) -> Option<f64> {
     if plain.is_none() && decimal_comma && cell.matches(',').count() == 1 && !cell.contains('.') {
         return cell.replace(',', ".").parse().ok();
     }
-    if plain.is_none() && decimal_comma {
-        return grouped(cell);
-    }
-    plain
+    let of_comma = || decimal_comma.then(|| grouped(cell, '.', ','))?;
+    plain.or_else(|| grouped(cell, ',', '.')).or_else(of_comma)
 }
 
-/// A number with a comma and points between its thousands, `-1.234,567`. One without a comma is not read so: it has a decimal point.
-fn grouped(cell: &str) -> Option<f64> {
-    let (whole, fraction) = cell.split_once(',')?;
-    let mut groups = whole.trim_start_matches(['-', '+']).split('.');
+/// A number with a separator between its thousands and another before its fraction, `-1.234,567` or `1,234.567`. One without a fraction
+/// is not read so: its separator may be the decimal one.
+fn grouped(cell: &str, thousands: char, decimal: char) -> Option<f64> {
+    let (whole, fraction) = cell.split_once(decimal)?;
+    let mut groups = whole.trim_start_matches(['-', '+']).split(thousands);
     let is_digits = |part: &str| part.bytes().all(|byte| byte.is_ascii_digit());
     let first = groups.next()?;
     let all =
@@ -64,7 +63,7 @@ fn grouped(cell: &str) -> Option<f64> {
     if !all || !is_digits(fraction) {
         return None;
     }
-    format!("{}.{fraction}", whole.replace('.', "")).parse().ok()
+    format!("{}.{fraction}", whole.replace(thousands, "")).parse().ok()
 }
 
 /// Seconds of a date with a time, from 1970, of a time of day, from midnight, or of a duration in days, hours, minutes and seconds:
@@ -260,6 +259,8 @@ mod tests {
         assert_eq!(number(b"-2,5", true), Some(-2.5));
         assert_eq!(number(b"-1.234,567", true), Some(-1234.567));
         assert_eq!(number(b"12.345.678,5", true), Some(12_345_678.5));
+        // Thousands with a decimal point are read with any separator of cells.
+        assert_eq!([number(b"1,234.5", false), number(b"-12,345,678.", true)], [Some(1234.5), Some(-12_345_678.0)]);
         for cell in ["1.234,567", "1.23,5", "1234.567,8", "1.234,5,6", "1.234,5e3", ".234,5"] {
             assert_eq!(number(cell.as_bytes(), cell != "1.234,567"), None, "{cell}");
         }

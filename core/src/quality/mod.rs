@@ -21,8 +21,8 @@ mod units;
 mod velocity;
 mod view;
 
-pub use channels::clipping;
 pub(crate) use channels::{Usable, usable};
+pub use channels::{clipping, is_saturated};
 pub use examination::{examine, examine_together, inspect};
 pub use finding::{Finding, Kind, Severity, standing_together, with_logs};
 pub use motion::{Constant, JointSummary, OtherUnit};

@@ -40,7 +40,8 @@ pub(crate) fn placed(header: &[String], addresses: &Addresses) -> Placed {
         let numbers = columns.iter().map(|(number, _)| *number);
         let first = columns[0].0;
         // Without positions of the whole vector, others may be those of the arm's joints, unless only a simulator calls them so.
-        let is_vector = quantity == POSITION || out.note.is_some() || OF_SIMULATOR.iter().any(|own| family.contains(own));
+        let is_vector =
+            quantity == POSITION || out.note.is_some() || OF_SIMULATOR.iter().any(|own| family.contains(own));
         let whole = is_vector && first <= 1 && numbers.eq(first..first + columns.len());
         let Some((joints, of_motors)) = vector(addresses, quantity, &family, columns.len()).filter(|_| whole) else {
             continue;
@@ -70,12 +71,7 @@ pub(crate) fn placed(header: &[String], addresses: &Addresses) -> Placed {
 }
 
 /// The joint of each place of the vector of a quantity with so many places, and whether they are those of motors.
-fn vector(
-    addresses: &Addresses,
-    quantity: usize,
-    family: &str,
-    places: usize,
-) -> Option<(Vec<Option<String>>, bool)> {
+fn vector(addresses: &Addresses, quantity: usize, family: &str, places: usize) -> Option<(Vec<Option<String>>, bool)> {
     let of = |own: &[String]| (own.len() == places).then(|| own.iter().cloned().map(Some).collect());
     let by_velocities = || Some((of(&addresses.velocities)?, false));
     match quantity {

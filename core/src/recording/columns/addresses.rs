@@ -15,6 +15,8 @@ const OF_SIMULATOR: [&str; 4] = ["qvel", "qacc", "qfrc", "actuator_force"];
 pub(crate) struct Placed {
     /// The header; columns that are of no joint that turns or slides have a name that is none of a joint.
     pub header: Vec<String>,
+    /// Columns of other bodies than those of joints that turn or slide.
+    pub others: Vec<usize>,
     /// Torques are numbered as the motors.
     pub of_motors: bool,
     /// How the numbers were understood.
@@ -61,7 +63,9 @@ pub(crate) fn placed(header: &[String], addresses: &Addresses) -> Placed {
         }
         out.of_motors |= of_motors;
         for ((_, column), joint) in columns.iter().zip(joints) {
-            out.header[*column] = match joint.as_ref().filter(single) {
+            let joint = joint.as_ref().filter(single);
+            out.others.extend(joint.is_none().then_some(*column));
+            out.header[*column] = match joint {
                 Some(joint) => format!("{}_{joint}", QUANTITIES[quantity].prefixes[0]),
                 None => format!("({} of another object)", header[*column]),
             };

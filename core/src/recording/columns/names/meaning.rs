@@ -125,8 +125,14 @@ fn is_unit_word(word: &str) -> bool {
 
 /// A name without the unit behind it, of which a point may be a part, and the unit.
 fn without_unit_word(name: &str) -> Option<(&str, &str)> {
-    let cut = |at: &[char]| name.rsplit_once(at).filter(|(stem, unit)| !stem.is_empty() && is_unit_word(unit));
-    cut(&['_', ' ', '.']).or_else(|| cut(&['_', ' ']))
+    let is_cut = |(stem, unit): &(&str, &str)| !stem.is_empty() && is_unit_word(unit);
+    let cut = |at: &[char]| name.rsplit_once(at).filter(is_cut);
+    // `N_m` is one unit.
+    let of_two = || {
+        let (place, _) = name.rmatch_indices(['_', ' ']).nth(1)?;
+        Some((&name[..place], &name[place + 1..])).filter(is_cut)
+    };
+    of_two().or_else(|| cut(&['_', ' ', '.'])).or_else(|| cut(&['_', ' ']))
 }
 
 /// The word in a name that means percent.

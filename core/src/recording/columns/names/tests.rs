@@ -155,6 +155,9 @@ fn units_in_names() {
         ("tau2 [kgf.cm]", Some("kgf cm")),
         ("tau2_mNm", Some("mN m")),
         ("tau2_Ncm", Some("N cm")),
+        ("tau2_N_m", Some("N m")),
+        ("qd2_rad_s", Some("rad/s")),
+        ("elbow_torque_kgf_cm", Some("kgf cm")),
         ("tau2_lbf-in", Some("lbf in")),
         ("elbow_position_radians", Some("rad")),
         ("tau2 [%]", None),
@@ -165,7 +168,13 @@ fn units_in_names() {
         assert_eq!(meaning.unit.map(|unit| unit.symbol), symbol, "{column}");
         assert!(matches!(&meaning.joint, Joint::Number(_)) || meaning.joint == Joint::Name("elbow".into()), "{column}");
     }
-    assert!(meanings("tau1 [mA]")[0].current);
+    assert!(meanings("tau1 [mA]")[0].current && meanings("MtrCur2[%]")[0].current);
+    // A letter is a unit behind its quantity alone.
+    let of = |column: &str| {
+        meanings(column).into_iter().find(|meaning| meaning.unit.is_some()).map(|m| (m.joint, m.unit.unwrap().symbol))
+    };
+    assert_eq!(of("axis1_current_A"), Some((Joint::Name("axis1".into()), "A")));
+    assert_eq!((of("axis1_position_A"), of("effort_a")), (None, None));
     // A joint may be called like a unit.
     assert_eq!(meanings("q_elbow_deg")[0].joint, Joint::Name("elbow_deg".into()));
 }

@@ -73,7 +73,7 @@ pub(super) const OF_PRESENT: [&str; 11] = [
 ];
 
 /// Words that mean a place, before a quantity; behind it they begin a joint's name.
-pub(super) const OF_JOINT: [&str; 5] = ["joint", "joints", "jnt", "robot", "arm"];
+pub(super) const OF_JOINT: [&str; 6] = ["joint", "joints", "jnt", "robot", "arm", "mtr"];
 
 /// Words that mean that a controller wanted or computed a value: a torque of this kind is taken where none was measured.
 pub(super) const OF_CONTROLLER: [&str; 12] = [

@@ -75,7 +75,8 @@ impl Layout {
             } else {
                 // Whole names are surer than numbers in them, of which robots have theirs in any order.
                 numbers = by_numbers(&own_names(&meanings));
-                if let (Some((first, _)), Some(name)) = (numbers.first_key_value(), names.first()) {
+                let of_first = numbers.iter().find(|(_, number)| **number == 1);
+                if let (Some((first, _)), Some(name)) = (of_first, names.first()) {
                     // A name that is cut behind its number has its bracket open.
                     let close = if first.contains('[') && !first.contains(']') { "]" } else { "" };
                     let by = if first.contains(|letter: char| letter.is_ascii_digit()) {

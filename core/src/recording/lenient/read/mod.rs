@@ -117,12 +117,13 @@ fn read(paths: &[PathBuf], joints: Option<&[String]>, map: &ColumnMap, positions
     join::name_by_joints(paths, &sources, &mut header);
     let times = join::hide_times(&sources, &mut header);
     let own = sources[0].own_joints();
+    let hidden = [times.hidden, placed.others].concat();
     let demand = Demand {
         lenient: true,
         timeless: map.rate_hz.is_some(),
         positions_alone,
         constants: map.torque_constants,
-        hidden: &times.hidden,
+        hidden: &hidden,
         motors: &map.motors,
     };
     let mut layout = Layout::search(path, sources[0].line(), &header, joints.or(own.as_deref()), demand)?;

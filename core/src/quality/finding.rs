@@ -162,7 +162,7 @@ pub fn standing_together(findings: &[Finding]) -> Vec<Finding> {
 const OF_ALL_JOINTS: [Kind; 3] = [Kind::MotorOff, Kind::Frozen, Kind::HeldSamples];
 
 /// The findings, with one in the place of those that say the same of several torques from the same time on.
-fn alike_together(findings: &[Finding]) -> Vec<Finding> {
+pub(crate) fn alike_together(findings: &[Finding]) -> Vec<Finding> {
     let time = |finding: &Finding| finding.place.find(" from ").map(|at| finding.place[at..].to_owned());
     let key = |finding: &Finding| (finding.kind, finding.severity, finding.text.clone(), time(finding));
     let is_torque = |finding: &Finding| OF_ALL_JOINTS.contains(&finding.kind) && finding.place.starts_with("tau");

@@ -141,7 +141,7 @@ impl Finding {
     }
 }
 
-/// The findings of a log, with one on all joints that hardly move, and on all torques that are alike, in place of one for each.
+/// The findings of a log, with one on all joints that hardly move, and on all joints whose signals stop together, in place of one for each.
 pub fn standing_together(findings: &[Finding]) -> Vec<Finding> {
     let mut out = alike_together(findings);
     for what in [NOT_FOUND, UNCERTAIN] {
@@ -158,18 +158,17 @@ pub fn standing_together(findings: &[Finding]) -> Vec<Finding> {
     out
 }
 
-/// Kinds of a torque that one cause gives several joints: a switch of all motors, a message that did not come.
+/// Kinds that one cause gives several joints: a switch of all motors, a message that did not come.
 const OF_ALL_JOINTS: [Kind; 3] = [Kind::MotorOff, Kind::Frozen, Kind::HeldSamples];
 
-/// The findings, with one in the place of those that say the same of several torques from the same time on.
+/// The findings, with one in the place of those that say the same of several joints from the same time on.
 pub(crate) fn alike_together(findings: &[Finding]) -> Vec<Finding> {
     let time = |finding: &Finding| finding.place.find(" from ").map(|at| finding.place[at..].to_owned());
     let key = |finding: &Finding| (finding.kind, finding.severity, finding.text.clone(), time(finding));
-    let is_torque = |finding: &Finding| OF_ALL_JOINTS.contains(&finding.kind) && finding.place.starts_with("tau");
     let mut out: Vec<Finding> = Vec::new();
     for finding in findings {
         let own: Vec<&Finding> = findings.iter().filter(|other| key(other) == key(finding)).collect();
-        if !is_torque(finding) || own.len() < 2 {
+        if !OF_ALL_JOINTS.contains(&finding.kind) || own.len() < 2 {
             out.push(finding.clone());
         } else if !out
             .iter()
@@ -238,9 +237,8 @@ mod tests {
         let other =
             [off("tau1 (a) from 5 s", "off"), off("tau2 (b) from 6 s", "off"), off("tau3 (c) from 5 s", "long")];
         assert_eq!(standing_together(&other), other);
-        let frozen =
-            ["q1 (a)", "q2 (b)"].map(|place| Finding::new(Kind::Frozen, Severity::Warning, place, "it stands"));
-        assert_eq!(standing_together(&frozen), frozen);
+        let spikes = ["q1 (a)", "q2 (b)"].map(|place| Finding::new(Kind::Spike, Severity::Warning, place, "remove it"));
+        assert_eq!(standing_together(&spikes), spikes);
     }
 
     #[test]

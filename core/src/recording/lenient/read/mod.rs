@@ -8,7 +8,7 @@ use crate::error::{Error, Result};
 use crate::recording::Recording;
 use crate::recording::cleaning::{Rejected, Rows, missing, sentinel, unwrap};
 use crate::recording::columns::{self, ABSENT, ColumnMap, Demand, JointNames, Layout};
-use crate::recording::sampling::{rates, reversed, stamps};
+use crate::recording::sampling::{rates, reversed, stamps, unsorted};
 use std::path::{Path, PathBuf};
 
 /// A log without its unusable rows.
@@ -138,6 +138,7 @@ fn read(paths: &[PathBuf], joints: Option<&[String]>, map: &ColumnMap, positions
         let problem = "holds no position in any row; log it, or choose joints that were logged";
         return Err(Error::input(path, None, name.as_str(), problem));
     }
+    layout.understood.extend(rates::without_unfilled(&layout, &mut columns, &mut lines));
     layout.understood.extend(rates::without_blanks(&layout, &mut columns, &mut lines));
     layout.leave_out_derivatives(&missing::derivatives_with_gaps(&layout, &columns), "has gaps");
     layout.leave_out_torques(&missing::torques_with_gaps(&layout, &columns));
@@ -147,6 +148,7 @@ fn read(paths: &[PathBuf], joints: Option<&[String]>, map: &ColumnMap, positions
         return Err(Error::input(path, None, "torque", problem));
     }
     layout.understood.extend(reversed::undo(&layout, &mut columns, &mut lines));
+    layout.understood.extend(unsorted::sort(&layout, &mut columns, &mut lines));
     let mut corrections = std::mem::take(&mut layout.understood);
     let clock = stamps::clock(path, sources[0].text(), &mut layout, &mut columns, &mut header, lines.len(), map)?;
     corrections.extend(clock.corrections);

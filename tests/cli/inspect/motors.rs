@@ -68,7 +68,7 @@ fn vectors_of_a_simulator_with_a_free_body() {
         let output = said(&header, of_motors, "two.xml");
         assert_done(&output);
         let output = text(&output.stdout);
-        assert_eq!(table(output), table(text(&plain.stdout)), "{header}");
+        assert_eq!(table(&output), table(&text(&plain.stdout)), "{header}");
         assert!(output.contains("qpos_7 is that of shoulder"), "{output}");
         assert_eq!(output.contains("gear_ratio = [50.0, 30.0]"), of_motors, "{output}");
     }

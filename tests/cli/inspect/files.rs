@@ -106,20 +106,6 @@ fn columns_in_several_files() {
     );
 }
 
-/// One file for each joint, with a time of its own.
-#[test]
-fn a_file_for_each_joint() {
-    let case = Case::new(&[]);
-    for joint in 1..=2 {
-        case.write(&format!("axis_{joint}.csv"), &sines("time,position,torque", |t| one_joint(t + f64::from(joint))));
-    }
-    case.write("d.toml", "schema = \"tauscope.dataset/1\"\n[[train]]\nfiles = [\"axis_1.csv\", \"axis_2.csv\"]\n");
-    let said = case.tauscope(&["inspect", "--dataset", "d.toml"]);
-    assert_done(&said);
-    let said = text(&said.stdout);
-    assert!(said.contains("1000 rows over 3.996 s at 250 Hz") && said.contains(" joint_2 "), "{said}");
-}
-
 /// Units in the names of columns are used, as those of time are, and the [units] of a dataset overrule them.
 #[test]
 fn units_in_the_names_of_columns() {

@@ -96,6 +96,24 @@ fn torques_of_some_joints_and_currents_of_others_are_taken_together_as_the_note_
     assert!(!text(&said.stdout).contains("there is no torque"), "{}", text(&said.stdout));
 }
 
+/// One file for each joint, with a time of its own.
+#[test]
+fn a_file_for_each_joint() {
+    let case = Case::new(&[]);
+    case.write("two.xml", MODEL);
+    for joint in 1..=2 {
+        case.write(&format!("axis_{joint}.csv"), &sines("time,position,torque", |t| one_joint(t + f64::from(joint))));
+    }
+    case.write(
+        "d.toml",
+        "schema = \"tauscope.dataset/1\"\nrobot = \"two.xml\"\n[[train]]\nfiles = [\"axis_1.csv\", \"axis_2.csv\"]\n",
+    );
+    let said = case.tauscope(&["inspect", "--dataset", "d.toml"]);
+    assert_done(&said);
+    let said = text(&said.stdout);
+    assert!(said.contains("1000 rows over 3.996 s at 250 Hz") && said.contains(" elbow "), "{said}");
+}
+
 /// Times in both files, rows without a number in one, and two recordings in each.
 #[test]
 fn files_of_one_log_have_no_gaps_of_their_own() {

@@ -11,7 +11,7 @@ use super::units::OfJoints;
 use crate::error::{Error, Result};
 use crate::identification::effect_model::Trust;
 use crate::recording::Recording;
-use crate::recording::lenient::{self, JointNames, Sieved};
+use crate::recording::lenient::{self, ColumnMap, JointNames, Sieved};
 use crate::robot::description::{self, Description};
 use crate::robot::{Choice, InertiaCheck, JointKind, Robot, Unit, shortened};
 use nalgebra::Vector3;
@@ -186,7 +186,7 @@ impl LoggedArm {
     /// Positions of joints that are not under study, where all logs have them standing still, with notes of those that do not
     /// stand at one place.
     fn elsewhere(&self, dataset: Option<&Dataset>, paths: &[&Path]) -> Result<Elsewhere> {
-        let mut map = dataset.map(|dataset| dataset.spec.columns.clone()).unwrap_or_default();
+        let mut map = columns_of(&self.description, dataset);
         let others: Vec<(String, JointKind)> = self
             .description
             .masters()
@@ -306,13 +306,19 @@ fn believed(description: &Description, choice: &Choice, trust: Trust) -> Result<
     Ok(robot)
 }
 
+/// The columns that a dataset names, in logs of a robot's file.
+fn columns_of(file: &Description, dataset: Option<&Dataset>) -> ColumnMap {
+    let given = dataset.map(|dataset| dataset.spec.columns.clone()).unwrap_or_default();
+    ColumnMap { addresses: file.addresses.clone(), ..given }
+}
+
 /// The joints of the file that logs are of, and what numbered columns stand for; neither where that is all of them.
 fn studied(
     file: &Description,
     dataset: Option<&Dataset>,
     logs: &[PathBuf],
 ) -> Result<(Option<Vec<String>>, Vec<String>)> {
-    let map = dataset.map(|dataset| dataset.spec.columns.clone()).unwrap_or_default();
+    let map = columns_of(file, dataset);
     let moving: Vec<String> = file.moving().iter().map(|joint| joint.name.clone()).collect();
     let names = |log| lenient::joint_names(log, &moving, &map);
     let found = logs.iter().map(names).collect::<Result<Vec<JointNames>>>()?;

@@ -45,6 +45,7 @@ impl Dataset {
             [units.position.is_some(), units.velocity.is_some(), units.acceleration.is_some(), units.torque.is_some()];
         columns.torque_constants = self.spec.motors.torque_constant_nm_a.is_some();
         columns.motors = motors(robot);
+        columns.addresses = robot.addresses.clone();
         let mut sieved = lenient::load_together(files, Some(order), &columns)?;
         if self.spec.motors.gear_ratio.is_none() && self.spec.motors.torque_constant_nm_a.is_none() {
             sieved.corrections.extend(gears(&sieved, robot));
@@ -91,7 +92,7 @@ impl Dataset {
 /// # Errors
 /// Those of [`lenient::load`].
 pub fn read(path: &Path, robot: &Robot) -> Result<Sieved> {
-    let map = ColumnMap { motors: motors(robot), ..ColumnMap::default() };
+    let map = ColumnMap { motors: motors(robot), addresses: robot.addresses.clone(), ..ColumnMap::default() };
     let mut sieved = lenient::load(path, Some(&robot.columns), &map)?;
     sieved.corrections.extend(gears(&sieved, robot));
     select(&mut sieved, &robot.columns, &robot.joint_names());

@@ -99,11 +99,17 @@ pub fn ready([train, test]: [Vec<(PathBuf, Sieved)>; 2], robot: &Robot) -> Resul
         if pieces.is_empty() {
             return Err(Error::input(path, None, "t", "the clock is so full of gaps that no piece of the log is left"));
         }
+        let all: usize = pieces.iter().map(Recording::samples).sum();
         let cut_off = clipped.iter().enumerate().filter(|(_, count)| **count > 0).map(|(joint, count)| {
             let place = format!("tau{} ({})", joint + 1, robot.joints[joint].name);
-            let text =
-                format!("{place}: {count} samples that are cut off at a limit, and those next to them, are left out");
-            format!("{}: {text}", path.display())
+            let text = match quality::is_saturated(*count, all) {
+                true => format!(
+                    "{count} of {all} samples stand at a limit: the drive is saturated in nearly all of the log, or the torque was not \
+                     measured; it is left out"
+                ),
+                false => format!("{count} samples that are cut off at a limit, and those next to them, are left out"),
+            };
+            format!("{}: {place}: {text}", path.display())
         });
         logs.notes.extend(cut_off);
         once.take(path.display().to_string(), &pieces)?;

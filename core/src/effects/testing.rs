@@ -2,7 +2,7 @@
 
 use super::{Effect, Instant, direction};
 use crate::dynamics::Chain;
-use crate::robot::{Drive, Inertia, Joint, JointKind, Limits, Pose, Robot};
+use crate::robot::{Addresses, Drive, Inertia, Joint, JointKind, Limits, Pose, Robot};
 use nalgebra::Vector3;
 
 /// A pendulum: 2 kg at 0.5 m along x, turning about y, with gravity along -z.
@@ -25,6 +25,7 @@ pub(super) fn pendulum() -> Robot {
         tree: None,
         columns: vec!["joint_1".to_owned()],
         actuators: Vec::new(),
+        addresses: Addresses::default(),
         held: Vec::new(),
         assumed: Vec::new(),
         guessed: Vec::new(),

@@ -141,9 +141,9 @@ impl Finding {
     }
 }
 
-/// The findings of a log, with one on all joints that hardly move in place of one for each.
+/// The findings of a log, with one on all joints that hardly move, and on all joints whose signals stop together, in place of one for each.
 pub fn standing_together(findings: &[Finding]) -> Vec<Finding> {
-    let mut out = findings.to_vec();
+    let mut out = alike_together(findings);
     for what in [NOT_FOUND, UNCERTAIN] {
         let is_own = |finding: &Finding| finding.kind == Kind::HardlyMoves && finding.text.ends_with(what);
         let own: Vec<&Finding> = findings.iter().filter(|finding| is_own(finding)).collect();
@@ -154,6 +154,31 @@ pub fn standing_together(findings: &[Finding]) -> Vec<Finding> {
         let place = out.iter().position(is_own).unwrap_or(0);
         out.retain(|finding| !is_own(finding));
         out.insert(place, all);
+    }
+    out
+}
+
+/// Kinds that one cause gives several joints: a switch of all motors, a message that did not come.
+const OF_ALL_JOINTS: [Kind; 3] = [Kind::MotorOff, Kind::Frozen, Kind::HeldSamples];
+
+/// The findings, with one in the place of those that say the same of several joints from the same time on.
+pub(crate) fn alike_together(findings: &[Finding]) -> Vec<Finding> {
+    let time = |finding: &Finding| finding.place.find(" from ").map(|at| finding.place[at..].to_owned());
+    let key = |finding: &Finding| (finding.kind, finding.severity, finding.text.clone(), time(finding));
+    let mut out: Vec<Finding> = Vec::new();
+    for finding in findings {
+        let own: Vec<&Finding> = findings.iter().filter(|other| key(other) == key(finding)).collect();
+        if !OF_ALL_JOINTS.contains(&finding.kind) || own.len() < 2 {
+            out.push(finding.clone());
+        } else if !out
+            .iter()
+            .any(|known| known.kind == finding.kind && known.text == finding.text && time(known) == time(finding))
+        {
+            let since = time(finding).unwrap_or_default();
+            let places: Vec<String> =
+                own.iter().map(|other| other.place.trim_end_matches(since.as_str()).to_owned()).collect();
+            out.push(Finding { place: format!("{}{since}", shortened(&places)), ..finding.clone() });
+        }
     }
     out
 }
@@ -199,6 +224,21 @@ mod tests {
             (4, "these joints hardly move: their friction and inertia are uncertain")
         );
         assert_eq!(standing_together(&[all[1].clone(), creeps.clone()]), [all[1].clone(), creeps]);
+    }
+
+    #[test]
+    fn motors_that_are_off_together_are_named_together() {
+        let off = |place: &str, text: &str| Finding::new(Kind::MotorOff, Severity::Note, place, text);
+        let joints = ["tau1 (a)", "tau2 (b)", "tau3 (c)", "tau4 (d)", "tau5 (e)"]
+            .map(|joint| off(&format!("{joint} from 5 s"), "off"));
+        let told = standing_together(&joints);
+        assert_eq!(told, [off("tau1 (a), tau2 (b), tau3 (c) and 2 more from 5 s", "off")]);
+        // At another time, for another time, and a single one.
+        let other =
+            [off("tau1 (a) from 5 s", "off"), off("tau2 (b) from 6 s", "off"), off("tau3 (c) from 5 s", "long")];
+        assert_eq!(standing_together(&other), other);
+        let spikes = ["q1 (a)", "q2 (b)"].map(|place| Finding::new(Kind::Spike, Severity::Warning, place, "remove it"));
+        assert_eq!(standing_together(&spikes), spikes);
     }
 
     #[test]

@@ -21,9 +21,10 @@ mod units;
 mod velocity;
 mod view;
 
-pub use channels::clipping;
 pub(crate) use channels::{Usable, usable};
+pub use channels::{clipping, is_saturated};
 pub use examination::{examine, examine_together, inspect};
+pub(crate) use finding::alike_together;
 pub use finding::{Finding, Kind, Severity, standing_together, with_logs};
 pub use motion::{Constant, JointSummary, OtherUnit};
 pub(crate) use named_units::settle as settle_named_units;

@@ -14,6 +14,6 @@ pub(crate) use assembly::shortened;
 pub use assembly::{Choice, InertiaCheck, load};
 pub use file::{to_mjcf, to_urdf, with_parameters};
 pub use model::{
-    Actuator, Coupling, Drive, Follower, GRAVITY, Inertia, Joint, JointKind, LARGEST, LARGEST_GRAVITY, Limits,
-    LinearMap, PARAMETERS, Pose, Robot, SYMBOLS, Tree, UNITS, Unit,
+    Actuator, Addresses, Coupling, Drive, Follower, GRAVITY, Inertia, Joint, JointKind, LARGEST, LARGEST_GRAVITY,
+    Limits, LinearMap, PARAMETERS, Pose, Robot, SYMBOLS, Tree, UNITS, Unit,
 };

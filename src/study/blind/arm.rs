@@ -5,7 +5,7 @@ use crate::dynamics::{Chain, inverse_dynamics_at};
 use crate::effects::drive_friction;
 use crate::excitation::JointLimits;
 use crate::random;
-use crate::robot::{Drive, GRAVITY, Inertia, Joint, JointKind, Limits, Pose, Robot};
+use crate::robot::{Addresses, Drive, GRAVITY, Inertia, Joint, JointKind, Limits, Pose, Robot};
 use crate::scenario::{Setup, misjudged};
 use chacha20::ChaCha8Rng;
 use nalgebra::{Matrix3, Vector3};
@@ -106,6 +106,7 @@ fn bodies(dof: usize, source: &mut ChaCha8Rng) -> Robot {
         flange,
         tree: None,
         actuators: Vec::new(),
+        addresses: Addresses::default(),
         held: Vec::new(),
         assumed: Vec::new(),
         guessed: Vec::new(),

@@ -33,6 +33,51 @@ fn columns_may_be_called_for_the_motors_of_a_model() {
     assert!(said.contains("m1 for shoulder and so on") && said.contains("gear_ratio = [50.0, 30.0]"), "{said}");
 }
 
+/// A dump of all of a simulator's vectors, with a free body before the arm: seven positions and six velocities are not the arm's.
+#[test]
+fn vectors_of_a_simulator_with_a_free_body() {
+    let case = Case::new(&[]);
+    let body = "<body name='box'><freejoint name='box_free'/><geom size='.1'/></body>";
+    let model = MODEL.replace("<worldbody>", &format!("<worldbody>{body}"));
+    case.write("two.xml", &model);
+    let numbered =
+        |name: &str, count: usize| (0..count).map(|place| format!("{name}_{place}")).collect::<Vec<_>>().join(",");
+    let header = |torque: &str, count: usize| format!("t,{},{}", numbered("qpos", 9), numbered(torque, count));
+    let row = |of_motors: bool| {
+        move |t: f64| {
+            let own = two_joints(t);
+            let (q, tau) = own.match_indices(',').nth(1).map(|(at, _)| own.split_at(at)).unwrap();
+            let free = if of_motors { String::new() } else { ",0".repeat(6) };
+            format!("0.5,0.1,0.02,1,0,0,0,{q}{free}{tau}")
+        }
+    };
+    let said = |header: &str, of_motors: bool, robot: &str| {
+        case.write("log.csv", &sines(header, row(of_motors)));
+        case.tauscope(&["inspect", "log.csv", "--robot", robot])
+    };
+    case.write("log.csv", &sines("t,q1,q2,tau1,tau2", two_joints));
+    let table = |said: &str| {
+        said.lines()
+            .filter(|line| line.starts_with(" shoulder") || line.starts_with(" elbow"))
+            .map(str::to_owned)
+            .collect::<Vec<_>>()
+    };
+    let plain = case.tauscope(&["inspect", "log.csv", "--robot", "two.xml"]);
+    assert_done(&plain);
+    for (header, of_motors) in [(header("qfrc_actuator", 8), false), (header("actuator_force", 2), true)] {
+        let output = said(&header, of_motors, "two.xml");
+        assert_done(&output);
+        let output = text(&output.stdout);
+        assert_eq!(table(&output), table(&text(&plain.stdout)), "{header}");
+        assert!(output.contains("qpos_7 is that of shoulder"), "{output}");
+        assert_eq!(output.contains("gear_ratio = [50.0, 30.0]"), of_motors, "{output}");
+    }
+    // Without the model it is not known which numbers are the arm's.
+    case.write("alone.xml", MODEL);
+    let refused = said(&header("actuator_force", 2), true, "alone.xml");
+    crate::assert_refusal(&refused, &["qpos_2", "a free one takes 7 places", "give the model"]);
+}
+
 #[test]
 fn torques_of_some_joints_and_currents_of_others_are_taken_together_as_the_note_tells() {
     let (case, said) = inspected("t,shoulder_position,elbow_position,shoulder_effort,elbow_current");
@@ -49,6 +94,24 @@ fn torques_of_some_joints_and_currents_of_others_are_taken_together_as_the_note_
     });
     assert!((taken[0] - 2.5 * logged[0]).abs() < 1e-9 && taken[1] == logged[1], "{taken:?} {logged:?}");
     assert!(!text(&said.stdout).contains("there is no torque"), "{}", text(&said.stdout));
+}
+
+/// One file for each joint, with a time of its own.
+#[test]
+fn a_file_for_each_joint() {
+    let case = Case::new(&[]);
+    case.write("two.xml", MODEL);
+    for joint in 1..=2 {
+        case.write(&format!("axis_{joint}.csv"), &sines("time,position,torque", |t| one_joint(t + f64::from(joint))));
+    }
+    case.write(
+        "d.toml",
+        "schema = \"tauscope.dataset/1\"\nrobot = \"two.xml\"\n[[train]]\nfiles = [\"axis_1.csv\", \"axis_2.csv\"]\n",
+    );
+    let said = case.tauscope(&["inspect", "--dataset", "d.toml"]);
+    assert_done(&said);
+    let said = text(&said.stdout);
+    assert!(said.contains("1000 rows over 3.996 s at 250 Hz") && said.contains(" elbow "), "{said}");
 }
 
 /// Times in both files, rows without a number in one, and two recordings in each.

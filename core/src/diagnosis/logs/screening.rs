@@ -160,8 +160,7 @@ fn ready(name: String, sieved: Sieved, report: quality::Report) -> Result<Screen
         let problem = format!("{}: the log cannot be used: {}", finding.place, finding.text);
         return Err(Error::request(name, problem));
     }
-    let faults = report
-        .findings
+    let faults = quality::alike_together(&report.findings)
         .into_iter()
         .filter_map(|finding| {
             let consequence = consequence(finding.kind, finding.severity)?;

@@ -15,6 +15,15 @@ const FEW_DIGITS: f64 = 1000.0;
 /// there is at its last digit two to three times as often as at the one before.
 const TURNS_ROUND: usize = 5;
 
+/// Share of a torque that stands at its limits from which on the rest shows nothing of the arm: it is the way from one limit to the other
+/// where the motion reverses, and too short for a fit.
+const SATURATED: f64 = 0.9;
+
+/// Whether a torque that stands at its limits in so many samples of all is no measurement.
+pub fn is_saturated(at_limits: usize, all: usize) -> bool {
+    at_limits as f64 > SATURATED * all as f64
+}
+
 /// Levels at which a torque is cut off, each with the number of samples there and the first of them; none for a torque of
 /// few digits.
 pub fn clipping(tau: &[f64]) -> Vec<(f64, usize, usize)> {
@@ -58,12 +67,21 @@ pub(super) fn clipped(view: &View, joint: usize, tau: &[f64]) -> Option<Finding>
     let is_cut_off = |&(level, count, _): &(f64, usize, usize)| {
         count > stands && 2 * (0..tau.len()).filter(|&sample| tau[sample] == level && moves(sample)).count() >= count
     };
-    let (level, count, first) = clipping(tau).into_iter().filter(is_cut_off).max_by_key(|(_, count, _)| *count)?;
-    let text = format!(
-        "{count} samples ({:.1} %) stand at {level}: the drive or its log is at a limit there; `identify` and `diagnose` \
-         leave these samples out, and a slower motion has none",
-        100.0 * count as f64 / tau.len() as f64
-    );
+    let levels: Vec<(f64, usize, usize)> = clipping(tau).into_iter().filter(is_cut_off).collect();
+    let first = levels.iter().map(|(.., first)| *first).min()?;
+    let count: usize = levels.iter().map(|(_, count, _)| count).sum();
+    let share = 100.0 * count as f64 / tau.len() as f64;
+    let at = levels.iter().map(|(level, ..)| level.to_string()).collect::<Vec<_>>().join(" or ");
+    let text = match is_saturated(count, tau.len()) {
+        true => format!(
+            "{share:.1} % of the samples stand at {at}: the drive or its log is at a limit in nearly all of the log, or the torque was not \
+             measured; its motion is used, its equation is not"
+        ),
+        false => format!(
+            "{count} samples ({share:.1} %) stand at {at}: the drive or its log is at a limit there; `identify` and `diagnose` \
+             leave these samples out, and a slower motion has none"
+        ),
+    };
     let place = format!("{} from {:.4} s", view.place("tau", joint), view.log.time[first]);
     Some(Finding::new(Kind::Clipped, Severity::Warning, place, text))
 }

@@ -17,7 +17,7 @@ mod motor_off;
 mod usable;
 
 use clipped::clipped;
-pub use clipped::clipping;
+pub use clipped::{clipping, is_saturated};
 use digits::coarse;
 pub(super) use digits::{extremes, resolution, runs};
 pub(super) use frozen::{rows as frozen_rows, with_frozen_position};

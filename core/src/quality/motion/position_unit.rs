@@ -117,7 +117,8 @@ const TURNS: Units = Units {
     range: TAU,
     largest: 2.5 * TAU,
     moves: 0.02,
-    else_: "neither rad nor deg: encoder counts, mrad in whole numbers, or turns of the motor?",
+    else_: "neither rad nor deg: encoder counts, mrad in whole numbers, or turns of the motor? A dataset takes counts as turns behind a gear: [units] \
+            position = \"rev\", [motors] gear_ratio = counts per turn, position_at = \"motor\", torque_at = \"joint\".",
 };
 
 /// Rails are up to 30 m long.

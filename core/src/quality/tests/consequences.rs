@@ -206,3 +206,16 @@ fn a_motor_that_is_switched_off_is_not_frozen() {
         assert_eq!(frozen, kind, "{:?}", report.findings);
     }
 }
+
+/// A model explains the torques of motors that run, whatever it leaves of those that are off.
+#[test]
+fn motors_that_are_off_leave_no_torque_unexplained() {
+    let mut sieved = log(&irb(), 250.0, 12.0);
+    let share = |sieved: &Sieved| {
+        let report = examine(sieved, Some(&irb())).unwrap();
+        report.joints.iter().filter_map(|joint| joint.unexplained).fold(0.0, f64::max)
+    };
+    let before = share(&sieved);
+    (0..6).for_each(|joint| sieved.recording.tau.channel_mut(joint)[1000..1500].fill(0.0));
+    assert!(share(&sieved) < 1.5 * before, "{} after {before}", share(&sieved));
+}

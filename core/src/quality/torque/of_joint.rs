@@ -8,6 +8,7 @@ use crate::dynamics::Motion;
 use crate::quality::channels::spoilt;
 use crate::quality::motion::Constant;
 use crate::quality::view::View;
+use std::ops::Range;
 
 /// The torque of a joint against its own model.
 pub(super) struct OfJoint {
@@ -50,9 +51,13 @@ impl OfJoint {
         let fit = |columns: &Channels, wanted: &dyn Fn(usize) -> bool| {
             JointFit::new(columns, along.rows, along.motion.qd.channel(joint), view.band[joint], wanted)
         };
-        let own = fit(columns, &|_| true)?;
+        // Smoothing carries what is no measurement to its neighbours.
+        let around = |part: Range<usize>| part.start.saturating_sub(along.reach)..part.end + along.reach;
+        let spoilt: Vec<Range<usize>> = spoilt(view, joint).into_iter().map(around).collect();
+        let is_measured = |row: usize| spoilt.iter().all(|part| !part.contains(&row));
+        let own = fit(columns, &is_measured).or_else(|| fit(columns, &|_| true))?;
         let (unexplained, constant) = (own.unexplained(tau, 0), own.constant(tau));
-        if !along.asks_lags || !spoilt(view, joint).is_empty() {
+        if !along.asks_lags || !spoilt.is_empty() {
             return Some(OfJoint { unexplained, constant, lags: None });
         }
         let since = SinceReversal::of(view, joint);

@@ -3,7 +3,7 @@
 use super::names::{self, Joint, Meaning, POSITION, QUANTITIES, TORQUE, Unit};
 
 /// What controllers call a joint, before its number.
-const OF_JOINT: [&str; 8] = ["j", "a", "joint", "axis", "ax", "axis_a", "motor", "servo"];
+const OF_JOINT: [&str; 9] = ["j", "jt", "a", "joint", "axis", "ax", "axis_a", "motor", "servo"];
 
 /// Letters of a force or torque, directly before the name of a joint.
 const OF_FORCE: [char; 4] = ['F', 'T', 'M', 'f'];
@@ -87,6 +87,7 @@ mod tests {
     #[test]
     fn a_joint_alone_is_its_position_where_nothing_else_is() {
         assert_eq!(of(&["t", "J1", "torque_J1"]), [None, Some((0, None)), Some((3, None))]);
+        assert_eq!(of(&["JT1 [deg]", "JT1 current [A]"]), [Some((0, Some("deg"))), Some((3, Some("A")))]);
         assert_eq!(of(&["t", "A1 [deg]", "tau1"]), [None, Some((0, Some("deg"))), Some((3, None))]);
         assert_eq!(of(&["t", "J1", "q1", "tau1"])[1], None);
         assert_eq!(of(&["t", "X1", "tau1", "J1 [%]"]), [None, None, Some((3, None)), None]);

@@ -121,7 +121,30 @@ pub(super) fn numbers_in_names(names: &[String], count: usize) -> BTreeMap<Strin
         let whole = alike && lowest <= 1 && sorted.into_iter().eq(lowest..lowest + count);
         whole.then(|| names.iter().cloned().zip(parts.into_iter().map(|(_, number)| number + 1 - lowest)).collect())
     };
-    (0..places).find_map(counted).unwrap_or_default()
+    (0..places).find_map(counted).or_else(|| in_convention(names)).unwrap_or_default()
+}
+
+/// What controllers call the joints that they do not number, in their order: those of Yaskawa with six and seven axes, and of Universal Robots.
+const CONVENTIONS: [&[&str]; 3] = [
+    &["s", "l", "u", "r", "b", "t"],
+    &["s", "l", "e", "u", "r", "b", "t"],
+    &["base", "shoulder", "elbow", "wrist1", "wrist2", "wrist3"],
+];
+
+/// The numbers of joints that have all names of a convention, counted from 1. Words for a joint may stand around, `S-axis`.
+fn in_convention(names: &[String]) -> Option<BTreeMap<String, usize>> {
+    let bare = |name: &String| -> String {
+        let words = name.split(|letter: char| !letter.is_alphanumeric()).map(str::to_lowercase);
+        words.filter(|word| !["axis", "joint"].contains(&word.as_str())).collect()
+    };
+    let own: Vec<String> = names.iter().map(bare).collect();
+    CONVENTIONS.into_iter().filter(|convention| convention.len() == names.len()).find_map(|convention| {
+        let number = |word: &str| convention.iter().position(|name| *name == word).map(|place| place + 1);
+        let numbers: BTreeMap<String, usize> =
+            names.iter().zip(&own).map(|(name, word)| Some((name.clone(), number(word)?))).collect::<Option<_>>()?;
+        let all = (1..=names.len()).all(|number| numbers.values().any(|own| *own == number));
+        all.then_some(numbers)
+    })
 }
 
 /// The numbers in a name, each with the name around it.
@@ -292,6 +315,18 @@ mod tests {
         assert_eq!(named("q1,q2,q3,msr_pos_head"), Vec::<String>::new());
         assert_eq!(named("q_x,q_y"), ["x", "y"]);
         assert_eq!(named("target_position_r_elbow,q_x,q_y"), ["x", "y"]);
+    }
+
+    #[test]
+    fn names_of_a_convention_are_numbers() {
+        let of =
+            |names: &str| numbers_in_names(&list(names), names.split(',').count()).into_values().collect::<Vec<_>>();
+        // By name: B, L, R, S, T, U.
+        assert_eq!(of("S,L,U,R,B,T"), [5, 2, 4, 1, 6, 3]);
+        assert_eq!(of("B-axis,L-axis,R-axis,S-axis,T-axis,U-axis"), [5, 2, 4, 1, 6, 3]);
+        assert_eq!(of("S,L,E,U,R,B,T").len(), 7);
+        assert_eq!(of("Base,Shoulder,Elbow,Wrist 1,Wrist 2,Wrist 3"), [1, 3, 2, 4, 5, 6]);
+        assert!(of("S,L,U,R,B,X").is_empty() && of("S,L,U,R,B,S").is_empty() && of("S,L").is_empty());
     }
 
     #[test]

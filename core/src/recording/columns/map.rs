@@ -2,6 +2,7 @@
 
 use super::names;
 use crate::error::{Error, Result};
+use crate::robot::Addresses;
 use std::path::Path;
 
 /// A column of a file.
@@ -78,6 +79,9 @@ pub struct ColumnMap {
     /// Names of motors, each with its joint: columns may carry them in the place of the joints'.
     #[serde(skip)]
     pub motors: Vec<(String, String)>,
+    /// Places of joints and motors in a simulator's vectors: columns may carry their numbers in the place of the joints'.
+    #[serde(skip)]
+    pub addresses: Addresses,
     /// Whether the unit of position, velocity, acceleration and torque is known: the names of the columns say nothing about it then.
     #[serde(skip)]
     pub known_units: [bool; 4],

@@ -4,6 +4,7 @@
 //! on how names were understood; or an error that names what is missing. With the values it gives the recording. Names are those of
 //! many programs ([`names`]), or given in a data set ([`ColumnMap`]).
 
+mod addresses;
 mod bare;
 mod families;
 pub(super) mod labels;
@@ -18,6 +19,7 @@ mod spare_currents;
 mod spelling;
 mod unknown_units;
 
+pub(crate) use addresses::placed;
 pub use families::JointNames;
 pub(crate) use families::joint_names;
 pub(crate) use layout::{ABSENT, Layout};

@@ -86,9 +86,16 @@ impl Resolver<'_> {
         // Beyond a hole, the numbers of the file are not those of the joints.
         if let Some((_, &column)) = found.range(count + 1..).next().filter(|_| gap.is_none()) {
             let known = if self.fixed { robot() } else { format!("there are positions of {count} joints") };
+            let header = &self.header[column];
+            let of_simulator = if header.contains("qpos") {
+                "qpos holds all bodies of a MuJoCo model, of which a free one takes 7 places here and 6 in qvel and qfrc: give the model, an .xml \
+                 file, as the robot, or "
+            } else {
+                ""
+            };
             let cure = "name the columns of these joints in a dataset: [columns] q = [..], qd = [..], tau = [..]";
-            let problem = format!("a {name} too many: {known}; {cure}");
-            return Err(Error::input(self.path, self.line, &self.header[column], problem));
+            let problem = format!("a {name} too many: {known}; {of_simulator}{cure}");
+            return Err(Error::input(self.path, self.line, header, problem));
         }
         let Some(gap) = gap else { return Ok(found.values().copied().collect()) };
         if may_lack {

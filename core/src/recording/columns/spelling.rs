@@ -8,6 +8,12 @@ fn plain(name: &str) -> String {
     name.chars().filter(|letter| !matches!(letter, ' ' | '_' | '-')).flat_map(char::to_lowercase).collect()
 }
 
+/// Whether a joint is a part of a path that goes on behind it, as to the link that it moves: `elbow/forearm`. Those at the end of paths are
+/// found by the prefix that all share.
+fn is_part(path: &str, joint: &str) -> bool {
+    path.rsplit('/').skip(1).any(|part| plain(part) == plain(joint))
+}
+
 /// Puts the names of `known` joints in the place of other spellings of them. A joint that has its own name in the file keeps that; one of
 /// which the file has two spellings, or that another joint is spelled like, is left as it is.
 pub(super) fn correct(meanings: &mut [Vec<Meaning>], known: &[String]) {
@@ -16,8 +22,11 @@ pub(super) fn correct(meanings: &mut [Vec<Meaning>], known: &[String]) {
         Joint::Number(_) => None,
     };
     let of_file: BTreeSet<String> = meanings.iter().flatten().filter_map(name).collect();
+    let sure = |readings: &Vec<Meaning>| readings.iter().find(|meaning| !meaning.exact_only).and_then(name);
+    let likely: BTreeSet<String> = meanings.iter().filter_map(sure).collect();
     for joint in known.iter().filter(|joint| !of_file.contains(*joint)) {
-        let is_alike = |other: &&String| plain(other) == plain(joint);
+        let is_alike =
+            |other: &&String| plain(other) == plain(joint) || (likely.contains(*other) && is_part(other, joint));
         let mut spellings = of_file.iter().filter(is_alike);
         let (Some(spelling), None) = (spellings.next(), spellings.next()) else { continue };
         if known.iter().filter(is_alike).count() > 1 {
@@ -62,6 +71,11 @@ mod tests {
             assert!(is_found(columns, robot), "{columns}");
         }
         assert!(!is_found("shoulder_pam,elbow", robot));
+        // With the link that each moves.
+        for columns in ["shoulder_pan/upper_arm,elbow/forearm", "arm/shoulder_pan/x,arm/elbow/y"] {
+            assert!(is_found(columns, robot), "{columns}");
+        }
+        assert!(!is_found("left/elbow/a,right/elbow/b", robot));
     }
 
     #[test]

@@ -83,6 +83,45 @@ pub(super) fn name_by_files(paths: &[PathBuf], sources: &[Source], header: &mut 
     }
 }
 
+/// Gives columns that are called for a quantity alone the joint for which their file is called: `position` of `joint_2.csv` is `q_2`. Files
+/// of one name in several folders are called for these.
+pub(super) fn name_by_joints(paths: &[PathBuf], sources: &[Source], header: &mut [String]) {
+    let name = |path: &PathBuf| {
+        let stem = path.file_stem()?.to_str()?;
+        let alike = paths.iter().all(|other| other.file_name() == path.file_name());
+        Some(if alike { path.parent()?.file_name()?.to_str()? } else { stem }.to_owned())
+    };
+    let Some(names) = paths.iter().map(name).collect::<Option<Vec<String>>>().filter(|_| paths.len() > 1) else {
+        return;
+    };
+    let joints = numbers_apart(&names).unwrap_or(names);
+    let mut start = 0;
+    for (source, joint) in sources.iter().zip(joints) {
+        let own = start..start + source.header().len();
+        start = own.end;
+        for column in &mut header[own] {
+            *column = names::with_joint(column, &joint).unwrap_or_else(|| std::mem::take(column));
+        }
+    }
+}
+
+/// The numbers in which names differ and in nothing else.
+fn numbers_apart(names: &[String]) -> Option<Vec<String>> {
+    let bytes: Vec<&[u8]> = names.iter().map(String::as_bytes).collect();
+    let first = bytes[0];
+    let is_shared = |at: usize| bytes.iter().all(|own| own.get(at) == first.get(at));
+    let start = (0..first.len()).take_while(|at| is_shared(*at) && !first[*at].is_ascii_digit()).count();
+    // Digits that all share may belong to a number that others go on with.
+    let digits = (start..first.len()).take_while(|at| is_shared(*at)).count();
+    let start =
+        start + first[start..start + digits].iter().rposition(|byte| !byte.is_ascii_digit()).map_or(0, |at| at + 1);
+    let number = |name: &&[u8]| name[start..].iter().take_while(|byte| byte.is_ascii_digit()).count();
+    let rest = |name: &&[u8]| name[start + number(name)..].to_vec();
+    let alike = bytes.iter().all(|name| number(name) > 0 && rest(name) == rest(&first));
+    let of = |name: &&[u8]| String::from_utf8_lossy(&name[start..start + number(name)]).into_owned();
+    alike.then(|| bytes.iter().map(of).collect())
+}
+
 /// The rows of all files together.
 ///
 /// # Errors
@@ -232,6 +271,43 @@ fn at_times(time: &[f64], values: &[f64], wanted: &[f64]) -> Vec<f64> {
 mod tests {
     use crate::recording::columns::ColumnMap;
     use crate::recording::lenient::load_together;
+
+    #[test]
+    fn a_file_for_each_joint() {
+        let read = |names: [&str; 2]| {
+            let folder = tempfile::tempdir().unwrap();
+            let paths = names.map(|name| folder.path().join(name));
+            for (path, value) in paths.iter().zip([1.0, 2.0]) {
+                std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+                let row = |k: i32| {
+                    format!("{},{},{}\n", 0.01 * f64::from(k), value + 0.1 * f64::from(k), value * f64::from(k))
+                };
+                std::fs::write(
+                    path,
+                    (0..60).fold("time,position [rad],torque_Nm\n".to_owned(), |all, k| all + &row(k)),
+                )
+                .unwrap();
+            }
+            load_together(&paths, None, &ColumnMap::default()).map(|log| log.recording)
+        };
+        for names in [
+            ["log_1.csv", "log_2.csv"],
+            ["3_axis_1_raw.csv", "3_axis_2_raw.csv"],
+            ["joint_1/log.csv", "joint_2/log.csv"],
+        ] {
+            let log = read(names).unwrap();
+            assert_eq!((log.q.channel(0)[0], log.q.channel(1)[0], log.tau.channel(1)[2]), (1.0, 2.0, 4.0), "{names:?}");
+        }
+        assert_eq!(read(["elbow.csv", "wrist.csv"]).unwrap().joints, ["elbow", "wrist"]);
+    }
+
+    #[test]
+    fn numbers_in_which_names_differ() {
+        let of = |names: &str| super::numbers_apart(&names.split(',').map(str::to_owned).collect::<Vec<_>>());
+        assert_eq!(of("joint1,joint10").unwrap(), ["1", "10"]);
+        assert_eq!(of("2026-03-05_j10,2026-03-05_j12").unwrap(), ["10", "12"]);
+        assert_eq!((of("elbow,wrist"), of("a1,b2")), (None, None));
+    }
 
     #[test]
     fn clocks_of_several_files() {

@@ -14,4 +14,5 @@ pub(super) mod reversed;
 mod set;
 pub(super) mod stamps;
 mod unit;
+pub(super) mod unsorted;
 mod wrapped;

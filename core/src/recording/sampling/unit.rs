@@ -133,11 +133,10 @@ fn of_numbers(columns: &[Vec<f64>], layout: &Layout, first: f64) -> Option<(f64,
     Some((factor, unit, Some(doubt), step == 1.0 && !within(factor, CONFIRMS)))
 }
 
-/// Mean time between rows: that of a clock whose stamps several rows share.
+/// Mean time between rows: that of a clock whose stamps several rows share. Where it steps back it begins anew.
 fn mean_step(time: &[f64]) -> f64 {
-    let known = || time.iter().copied().filter(|t| t.is_finite());
-    let [first, last] = known().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], t| [low.min(t), high.max(t)]);
-    (last - first) / (known().count().max(2) - 1) as f64
+    let steps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| *step >= 0.0).collect();
+    steps.iter().sum::<f64>() / steps.len().max(1) as f64
 }
 
 fn median_step(time: &[f64]) -> Option<f64> {
@@ -204,6 +203,15 @@ mod tests {
         std::fs::write(&path, text).unwrap();
         let sieved = load(&path, None, &ColumnMap::default()).unwrap();
         (sieved.recording.rate_hz(), sieved.corrections.join("; "))
+    }
+
+    #[test]
+    fn a_clock_that_begins_anew_has_the_steps_of_both_parts() {
+        let time: Vec<f64> = (0..1000).map(|row| 5.0 * f64::from(row % 500)).collect();
+        assert_eq!((super::mean_step(&time), super::median_step(&time)), (5.0, Some(5.0)));
+        // Two rows share each stamp.
+        let bursts: Vec<f64> = (0..1000).map(|row| f64::from(row / 2)).collect();
+        assert!((super::mean_step(&bursts) - 0.5).abs() < 1e-3);
     }
 
     #[test]

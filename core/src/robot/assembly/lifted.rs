@@ -12,12 +12,18 @@ impl Assembly<'_> {
         if [0.0, 1.0].iter().any(|of_all| shares.iter().all(|share| share == of_all)) {
             return Vec::new();
         }
+        // One share of all weights is a weaker gravity.
+        let weaker = shares.first().filter(|first| shares.iter().all(|share| share == *first)).map(|share| {
+            let [x, y, z] = (self.file.gravity * (1.0 - share)).into();
+            format!("; all links have the share {share}, which --gravity={x},{y},{z} models")
+        });
         let each = carried.into_iter().zip(shares).filter(|(_, share)| *share != 0.0);
         let lifted: Vec<String> = each.map(|(name, _)| name).collect();
         self.notes.push(format!(
             "gravcomp carries a part of the arm's weight ({}): torques are not judged by the described bodies. Where the logged torques hold all \
-             weights, set gravcomp to 0 in the file; with torques of a simulation, add qfrc_gravcomp to them first",
-            lifted.join(", ")
+             weights, set gravcomp to 0 in the file; with torques of a simulation, add qfrc_gravcomp to them first{}",
+            lifted.join(", "),
+            weaker.unwrap_or_default()
         ));
         lifted
     }
@@ -50,6 +56,8 @@ mod tests {
             (vec!["two".into()], vec!["one".into(), "two".into()])
         );
         assert_eq!(lifted([0.5, 0.5, 0.5]).len(), 2);
+        let has_cure = |shares| robot(shares).notes.iter().any(|note| note.contains("which --gravity=0,0,-4.905"));
+        assert!(has_cure([0.5; 3]) && !has_cure([0.5, 0.4, 0.5]));
         // What weighs nothing does not count.
         assert!(lifted([0.0, 0.0, 1.0]).is_empty() && lifted([1.0, 1.0, 0.0]).is_empty());
         assert!(robot([0.0, 1.0, 0.0]).notes.iter().any(|note| note.contains("set gravcomp to 0 in the file")));

@@ -86,7 +86,7 @@ impl Description {
         let tree = (!serial || tip + 1 != joints.len()).then_some(Tree { followers: followed, parents, tip });
         let (name, source) = (self.name.clone(), self.source.clone());
         let columns = joints.iter().map(|joint| joint.name.clone()).collect();
-        let (gravity, actuators) = (self.gravity, self.actuators.clone());
+        let (gravity, actuators, addresses) = (self.gravity, self.actuators.clone(), self.addresses.clone());
         Ok(Robot {
             name,
             source,
@@ -96,6 +96,7 @@ impl Description {
             tree,
             columns,
             actuators,
+            addresses,
             held,
             assumed,
             guessed,

@@ -1,6 +1,6 @@
 //! A robot as its file describes it: a tree of links and joints of every kind, before it is decided which joints move.
 
-use crate::robot::model::{Actuator, Drive, Inertia, JointKind, Limits, Pose};
+use crate::robot::model::{Actuator, Addresses, Drive, Inertia, JointKind, Limits, Pose};
 use nalgebra::Vector3;
 use std::path::PathBuf;
 
@@ -186,6 +186,8 @@ pub struct Description {
     pub joints: Vec<JointDescription>,
     /// Motors that the file names.
     pub actuators: Vec<Actuator>,
+    /// Places of the joints and motors in the vectors of a simulator; empty where the file is none of one.
+    pub addresses: Addresses,
     /// What was read otherwise than it is written, a line each: units recognised, rounded angles, friction below zero.
     pub notes: Vec<String>,
 }

@@ -1,6 +1,7 @@
 //! A robot as it is modelled: coordinates, bodies and flange.
 
 use super::actuator::Actuator;
+use super::addresses::Addresses;
 use super::joint::{Joint, JointKind};
 use super::pose::Pose;
 use super::tree::Tree;
@@ -51,6 +52,8 @@ pub struct Robot {
     pub columns: Vec<String>,
     /// Motors that the file names, of all of its joints.
     pub actuators: Vec<Actuator>,
+    /// Places of the file's joints and motors in the vectors of a simulator; empty where it is none of one.
+    pub addresses: Addresses,
     /// Moving joints of the file that stand still here, each at its position, rad or m.
     pub held: Vec<(String, f64)>,
     /// Those of them that turn what the joints under study stand on, at a position that neither a log nor anyone gave.

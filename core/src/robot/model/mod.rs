@@ -4,6 +4,7 @@
 //! that mimic others follow a coordinate ([`Follower`]); where the arm branches, a [`Tree`] gives the body that carries each.
 
 mod actuator;
+mod addresses;
 mod arm;
 mod bodies;
 mod constants;
@@ -17,6 +18,7 @@ mod unit;
 mod units;
 
 pub use actuator::Actuator;
+pub use addresses::Addresses;
 pub use arm::Robot;
 pub(crate) use arm::TEXT;
 pub use constants::{GRAVITY, LARGEST, LARGEST_GRAVITY};

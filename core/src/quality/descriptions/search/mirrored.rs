@@ -5,7 +5,7 @@
 //! time comes to one of them, and another may be the smaller set, or the one that the described bodies explain.
 
 use super::found::Found;
-use super::needed::reduced;
+use super::needed::{reduced, without_each};
 use crate::quality::descriptions::change::{Change, Description};
 use crate::quality::descriptions::compare::compare;
 use crate::quality::descriptions::fitting::{Physics, Rows};
@@ -67,6 +67,11 @@ fn images(physics: &Physics, rows: [&Rows; 2], start: &Tried, found: &Found) -> 
     let zeros = best.changes.iter().filter(is_zero).count() + MORE_ZEROS;
     let planes = physics.robot().map(mirrors).unwrap_or_default();
     let images = planes.iter().filter_map(|turned| image(&start.description, best, turned));
+    // Half a turn of a joint reverses those behind it that lie across: a sign of the image may stand for a zero that the set has not.
+    let images = images.flat_map(|image| {
+        let shorter = without_each(&start.description, &image);
+        std::iter::once(image).chain(shorter)
+    });
     let with_zeros = |image: Description| {
         let mut own = Tried::new(physics, rows[0], image)?;
         for _ in 0..zeros {

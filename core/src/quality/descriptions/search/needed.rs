@@ -56,7 +56,7 @@ pub(super) fn reduced(physics: &Physics, [rows, whole]: [&Rows; 2], start: &Trie
 }
 
 /// The description without each of the changes that were added to the start.
-fn without_each(start: &Description, own: &Description) -> Vec<Description> {
+pub(super) fn without_each(start: &Description, own: &Description) -> Vec<Description> {
     let is_zero = |change: &Change| matches!(change, Change::ZeroOffset(..));
     let others: Vec<Change> =
         own.changes.iter().filter(|change| !is_zero(change) && !start.changes.contains(change)).copied().collect();

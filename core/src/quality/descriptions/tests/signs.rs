@@ -50,3 +50,30 @@ fn several_axes_the_other_way_round_are_found_and_no_mirror_image() {
         assert!(own.len() == changes.len() && holds(&verdict, &robot, &changes), "{changes:?}: {own:?}");
     }
 }
+
+/// An arm with three parallel axes: half a turn of one of them reverses the wrist behind it, so that the image of a set has a sign too many.
+#[test]
+fn axes_before_three_parallel_ones_are_found_and_no_mirror_image() {
+    let link = |place: usize, axis: &str, at: &str, mass: f64| {
+        format!(
+            "<link name='l{place}'><inertial><origin xyz='{at}'/><mass value='{mass}'/>\
+             <inertia ixx='{0}' iyy='{0}' izz='{1}' ixy='0' ixz='0' iyz='0'/></inertial></link>\
+             <joint name='j{place}' type='revolute'><parent link='l{2}'/><child link='l{place}'/><origin xyz='{at}'/><axis xyz='{axis}'/>\
+             <limit lower='-3' upper='3' effort='100' velocity='3'/></joint>",
+            0.01 * mass,
+            0.004 * mass,
+            place - 1
+        )
+    };
+    let links = link(1, "0 0 1", "0 0 .1", 3.7)
+        + &link(2, "0 1 0", "0 .13 .05", 8.0)
+        + &link(3, "0 1 0", ".2 -.06 .01", 2.3)
+        + &link(4, "0 1 0", ".18 .03 0", 1.2)
+        + &link(5, "0 0 1", "0 .1 -.02", 1.2)
+        + &link(6, "0 1 0", ".01 .03 -.09", 0.4);
+    let robot = Robot::from_urdf_str(&format!("<robot name='r'><link name='l0'/>{links}</robot>")).unwrap();
+    let changes = [Change::AxisSign(1), Change::AxisSign(2), Change::ZeroOffset(1, std::f64::consts::FRAC_PI_2)];
+    let (_, verdict) = found(&robot, Oddity::None, &changes);
+    let verdict = verdict.unwrap();
+    assert!(verdict.description.changes.len() == 3 && holds(&verdict, &robot, &changes), "{:?}", verdict.description);
+}

@@ -82,8 +82,23 @@ fn as_written(column: &str) -> Vec<Meaning> {
     // A joint may be called like a unit: that comes first.
     if let Some((stem, unit)) = without_unit_word(column) {
         out.extend(in_unit(readings(stem), Some(unit)));
+    } else if let Some((stem, letter)) = column.rsplit_once(['_', ' ']).filter(|(_, unit)| unit.len() == 1) {
+        // A letter is a unit where it is one of the quantity before it, `current_A`.
+        let mut of_letter = in_unit(readings(stem), Some(letter));
+        of_letter.retain(|meaning| meaning.unit.is_some_and(|unit| unit.symbol == letter));
+        out.extend(of_letter);
     }
     out
+}
+
+/// A column that is called for a quantity alone, as `position [deg]`, with the joint that it is of.
+pub(crate) fn with_joint(column: &str, joint: &str) -> Option<String> {
+    let (stem, unit) = match without_unit(column) {
+        (stem, Some(unit)) => (stem, Some(unit)),
+        (stem, None) => without_unit_word(stem).map_or((stem, None), |(stem, unit)| (stem, Some(unit))),
+    };
+    let name = format!("{}_{joint}", prefix_of(stem)?);
+    Some(unit.map_or(name.clone(), |unit| format!("{name} [{unit}]")))
 }
 
 /// The prefix of columns of the quantity that a name means by itself, as that of a file: `tau` for `joint_torques`.
@@ -102,14 +117,22 @@ pub(crate) fn unknown_unit<'a>(column: &'a str, quantity: usize, joints: &[Strin
     })
 }
 
+/// Whether a word behind a name is a unit. Joints are called by one or two letters, too.
 fn is_unit_word(word: &str) -> bool {
-    UNIT_WORDS.contains(&bare(word).as_str()) || (word.contains('/') && is_unit(word))
+    let long = bare(word).chars().count() > 2 && is_unit(word);
+    UNIT_WORDS.contains(&bare(word).as_str()) || (word.contains('/') && is_unit(word)) || long
 }
 
 /// A name without the unit behind it, of which a point may be a part, and the unit.
 fn without_unit_word(name: &str) -> Option<(&str, &str)> {
-    let cut = |at: &[char]| name.rsplit_once(at).filter(|(stem, unit)| !stem.is_empty() && is_unit_word(unit));
-    cut(&['_', ' ', '.']).or_else(|| cut(&['_', ' ']))
+    let is_cut = |(stem, unit): &(&str, &str)| !stem.is_empty() && is_unit_word(unit);
+    let cut = |at: &[char]| name.rsplit_once(at).filter(is_cut);
+    // `N_m` is one unit.
+    let of_two = || {
+        let (place, _) = name.rmatch_indices(['_', ' ']).nth(1)?;
+        Some((&name[..place], &name[place + 1..])).filter(is_cut)
+    };
+    of_two().or_else(|| cut(&['_', ' ', '.'])).or_else(|| cut(&['_', ' ']))
 }
 
 /// The word in a name that means percent.

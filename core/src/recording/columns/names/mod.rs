@@ -15,7 +15,7 @@ mod unit;
 mod vocabulary;
 mod words;
 
-pub(crate) use meaning::{Joint, Meaning, meanings, prefix_of, unknown_unit};
+pub(crate) use meaning::{Joint, Meaning, meanings, prefix_of, unknown_unit, with_joint};
 pub(crate) use quantity::{ACCELERATION, POSITION, QUANTITIES, Quantity, TORQUE, TRUE, VELOCITY};
 pub(crate) use scattered::scattered;
 pub(crate) use time::{INDEX, OWN_TIME, Part, Time, are_seconds_and_rest, time};

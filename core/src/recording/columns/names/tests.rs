@@ -45,6 +45,8 @@ fn numbers_behind_the_quantity() {
         ("tau_out_1", TORQUE, 1),
         ("feedback_pos_4", POSITION, 4),
         ("dof_force_1", TORQUE, 1),
+        ("DTRQ2(%)", TORQUE, 2),
+        ("Load ratio 3 (%)", TORQUE, 3),
         ("axisQMsr_LBR_iiwa_7_R800_1[0]", POSITION, 0),
         ("axisTauMsr_LBR_iiwa_14_R820_1[6]", TORQUE, 6),
     ] {
@@ -152,6 +154,12 @@ fn units_in_names() {
         ("qd3 [mm/s]", Some("mm/s")),
         ("tau2 [kgf.cm]", Some("kgf cm")),
         ("tau2_mNm", Some("mN m")),
+        ("tau2_Ncm", Some("N cm")),
+        ("tau2_N_m", Some("N m")),
+        ("qd2_rad_s", Some("rad/s")),
+        ("elbow_torque_kgf_cm", Some("kgf cm")),
+        ("tau2_lbf-in", Some("lbf in")),
+        ("elbow_position_radians", Some("rad")),
         ("tau2 [%]", None),
         ("q1 [rad/s]", None),
         ("q1", None),
@@ -160,7 +168,13 @@ fn units_in_names() {
         assert_eq!(meaning.unit.map(|unit| unit.symbol), symbol, "{column}");
         assert!(matches!(&meaning.joint, Joint::Number(_)) || meaning.joint == Joint::Name("elbow".into()), "{column}");
     }
-    assert!(meanings("tau1 [mA]")[0].current);
+    assert!(meanings("tau1 [mA]")[0].current && meanings("MtrCur2[%]")[0].current);
+    // A letter is a unit behind its quantity alone.
+    let of = |column: &str| {
+        meanings(column).into_iter().find(|meaning| meaning.unit.is_some()).map(|m| (m.joint, m.unit.unwrap().symbol))
+    };
+    assert_eq!(of("axis1_current_A"), Some((Joint::Name("axis1".into()), "A")));
+    assert_eq!((of("axis1_position_A"), of("effort_a")), (None, None));
     // A joint may be called like a unit.
     assert_eq!(meanings("q_elbow_deg")[0].joint, Joint::Name("elbow_deg".into()));
 }
@@ -173,6 +187,7 @@ fn columns_of_time() {
         "Time",
         "('t', '')",
         "timestamp",
+        "SampleTime",
         "stamp",
         "__time",
         "%time",

@@ -100,9 +100,8 @@ pub(crate) fn time(column: &str, place: usize) -> Option<Time> {
         | "controller_time" | "robot_time" | "sim_time" | "state_time" | "time_from_start" | "ts" | "tick"
         | "ticks" | "epoch" | "epoch_time" | "unix_time" | "timestamp_utc" | "time_utc" => STAMP,
         "ros_time" | "rosbag_timestamp" | "log_time" | "recv_time" | "receive_time" | "publish_time" | "wall_time"
-        | "datetime" | "date_time" | "date" | "duration" | "clock" | "systime" | "system_time" | "local_time" => {
-            OF_LOGGER
-        }
+        | "sample_time" | "datetime" | "date_time" | "date" | "duration" | "clock" | "systime" | "system_time"
+        | "local_time" => OF_LOGGER,
         _ => return None,
     };
     time(rank, factor, Part::Whole)

@@ -26,11 +26,8 @@ pub(super) const CURRENT: [&str; 19] = [
     "corrente",
 ];
 
-/// Units that stand behind a name without brackets.
-pub(super) const UNIT_WORDS: [&str; 28] = [
-    "deg", "degs", "degree", "degrees", "grad", "dps", "degps", "mdeg", "rad", "rads", "radps", "rps", "rpm", "mrad",
-    "rev", "revs", "turn", "turns", "mm", "um", "nm", "mnm", "nmm", "knm", "kgfcm", "ma", "pct", "percent",
-];
+/// Short units, and words that are no units of SI's kind, that stand behind a name without brackets; those of three letters or more do, too.
+pub(super) const UNIT_WORDS: [&str; 7] = ["mm", "um", "nm", "ma", "rps", "pct", "percent"];
 
 /// Words around a quantity that mean it was measured; nothing depends on them.
 pub(super) const MEASURED: [&str; 20] = [
@@ -76,7 +73,7 @@ pub(super) const OF_PRESENT: [&str; 11] = [
 ];
 
 /// Words that mean a place, before a quantity; behind it they begin a joint's name.
-pub(super) const OF_JOINT: [&str; 5] = ["joint", "joints", "jnt", "robot", "arm"];
+pub(super) const OF_JOINT: [&str; 6] = ["joint", "joints", "jnt", "robot", "arm", "mtr"];
 
 /// Words that mean that a controller wanted or computed a value: a torque of this kind is taken where none was measured.
 pub(super) const OF_CONTROLLER: [&str; 12] = [

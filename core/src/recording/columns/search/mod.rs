@@ -75,11 +75,16 @@ impl Layout {
             } else {
                 // Whole names are surer than numbers in them, of which robots have theirs in any order.
                 numbers = by_numbers(&own_names(&meanings));
-                if let (Some((first, _)), Some(name)) = (numbers.first_key_value(), names.first()) {
+                let of_first = numbers.iter().find(|(_, number)| **number == 1);
+                if let (Some((first, _)), Some(name)) = (of_first, names.first()) {
                     // A name that is cut behind its number has its bracket open.
                     let close = if first.contains('[') && !first.contains(']') { "]" } else { "" };
-                    let text =
-                        format!("joints are taken by the numbers in their names, {first}{close} for {name} and so on");
+                    let by = if first.contains(|letter: char| letter.is_ascii_digit()) {
+                        "the numbers in their names"
+                    } else {
+                        "their places on the controller"
+                    };
+                    let text = format!("joints are taken by {by}, {first}{close} for {name} and so on");
                     understood.push(text);
                 }
             }
@@ -168,7 +173,8 @@ impl Layout {
         let [measured, truth] = &found;
         let unclear = |quantity: usize| -> Result<()> {
             let missing = joints.is_some() && measured[quantity].is_empty();
-            let problem = missing.then(|| several(&meanings, &names, quantity)).flatten();
+            let more = || more_than(&names_of(&meanings, quantity), &names);
+            let problem = missing.then(|| several(&meanings, &names, quantity).or_else(more)).flatten();
             let column = format!("{}1", QUANTITIES[quantity].prefixes[0]);
             problem.map_or(Ok(()), |problem| Err(Error::input(path, line, column, problem)))
         };
@@ -259,6 +265,21 @@ impl Layout {
             joints: if names.is_empty() { (1..=count).map(|joint| format!("joint_{joint}")).collect() } else { names },
         })
     }
+}
+
+/// What is said where a file numbers another count of joints in their names than the robot has.
+fn more_than(own: &[String], names: &[String]) -> Option<String> {
+    let numbers = numbers_in_names(own, own.len());
+    let (first, last) = (own.first()?, own.last()?);
+    (!numbers.is_empty() && own.len() != names.len()).then(|| {
+        format!(
+            "the file has {} joints, {first} to {last}, and the robot {} ({}); name the columns of the robot's joints in a dataset: \
+             [columns] q = [..], qd = [..], tau = [..]",
+            own.len(),
+            names.len(),
+            names.join(", ")
+        )
+    })
 }
 
 /// The place, counted from 1, of the joint with a number: in the joints' `own` numbers where their names have them, which on a tree need not

@@ -47,16 +47,24 @@ pub(super) fn number(cell: &[u8], decimal_comma: bool) -> Option<f64> {
     if plain.is_none() && decimal_comma && cell.matches(',').count() == 1 && !cell.contains('.') {
         return cell.replace(',', ".").parse().ok();
     }
-    if plain.is_none() && decimal_comma {
-        return grouped(cell);
-    }
-    plain
+    let of_comma = || decimal_comma.then(|| grouped(cell, '.', ','))?;
+    plain.or_else(|| grouped(cell, ',', '.')).or_else(of_comma).or_else(|| quoted(cell))
 }
 
-/// A number with a comma and points between its thousands, `-1.234,567`. One without a comma is not read so: it has a decimal point.
-fn grouped(cell: &str) -> Option<f64> {
+/// A number with a decimal comma between cells that commas separate, where it stands in quotes. With three digits behind the comma it may be a
+/// thousand, unless there is none before it.
+fn quoted(cell: &str) -> Option<f64> {
     let (whole, fraction) = cell.split_once(',')?;
-    let mut groups = whole.trim_start_matches(['-', '+']).split('.');
+    let none = whole.trim_start_matches(['-', '+']) == "0";
+    let is_fraction = !fraction.is_empty() && fraction.bytes().all(|byte| byte.is_ascii_digit());
+    (is_fraction && (fraction.len() != 3 || none)).then(|| format!("{whole}.{fraction}").parse().ok())?
+}
+
+/// A number with a separator between its thousands and another before its fraction, `-1.234,567` or `1,234.567`. One without a fraction
+/// is not read so: its separator may be the decimal one.
+fn grouped(cell: &str, thousands: char, decimal: char) -> Option<f64> {
+    let (whole, fraction) = cell.split_once(decimal)?;
+    let mut groups = whole.trim_start_matches(['-', '+']).split(thousands);
     let is_digits = |part: &str| part.bytes().all(|byte| byte.is_ascii_digit());
     let first = groups.next()?;
     let all =
@@ -64,7 +72,7 @@ fn grouped(cell: &str) -> Option<f64> {
     if !all || !is_digits(fraction) {
         return None;
     }
-    format!("{}.{fraction}", whole.replace('.', "")).parse().ok()
+    format!("{}.{fraction}", whole.replace(thousands, "")).parse().ok()
 }
 
 /// Seconds of a date with a time, from 1970, of a time of day, from midnight, or of a duration in days, hours, minutes and seconds:
@@ -93,7 +101,14 @@ pub(super) fn date(cell: &[u8]) -> Option<f64> {
     let compact = day.and_then(|_| colons(clock));
     let mut parts = compact.as_deref().unwrap_or(clock).split(':');
     let mut next = || parts.next()?.replace(',', ".").parse::<f64>().ok();
-    let (hours, minutes, seconds) = (next()?, next()?, next()?);
+    let (first, second, third) = (next()?, next()?, next());
+    // A minute and a second, where there are no hours, have a fraction behind them.
+    let has_fraction = || clock.ends_with(|letter: char| letter.is_ascii_digit()) && clock.contains(['.', ',']);
+    let (hours, minutes, seconds) = match third {
+        Some(seconds) => (first, second, seconds),
+        None if day.is_none() && has_fraction() => (0.0, first, second),
+        None => return None,
+    };
     let seconds = match (parts.next(), parts.next()) {
         (None, _) => seconds,
         (Some(part), None) => seconds + thousandths(part)?,
@@ -224,6 +239,7 @@ mod tests {
         assert_eq!([date(b"20240229T120000.25"), date(b"2024-02-29T120000,25Z")], [Some(1_709_208_000.25); 2]);
         assert_eq!([date(b"20240229T12000"), date(b"20240229"), date(b"a_b"), date(b"q-1:0:0")], [None; 4]);
         assert_eq!([date(b"12:00:01 AM"), date(b"01:00:00 pm")], [Some(1.0), Some(46800.0)]);
+        assert_eq!([date(b"01:02.500"), date(b"00:00,005"), date(b"11:59")], [Some(62.5), Some(0.005), None]);
         assert_eq!((date(b"1.5"), date(b"x:y:z"), date(b"")), (None, None, None));
     }
 
@@ -260,10 +276,13 @@ mod tests {
         assert_eq!(number(b"-2,5", true), Some(-2.5));
         assert_eq!(number(b"-1.234,567", true), Some(-1234.567));
         assert_eq!(number(b"12.345.678,5", true), Some(12_345_678.5));
+        // Thousands with a decimal point are read with any separator of cells.
+        assert_eq!([number(b"1,234.5", false), number(b"-12,345,678.", true)], [Some(1234.5), Some(-12_345_678.0)]);
         for cell in ["1.234,567", "1.23,5", "1234.567,8", "1.234,5,6", "1.234,5e3", ".234,5"] {
             assert_eq!(number(cell.as_bytes(), cell != "1.234,567"), None, "{cell}");
         }
-        assert_eq!([number(b"1,5", false), number(b"D1", false), number(b"12d", false)], [None; 3]);
+        assert_eq!([number(b"1,5", false), number(b"-0,125", false)], [Some(1.5), Some(-0.125)]);
+        assert_eq!([number(b"1,500", false), number(b"D1", false), number(b"12d", false)], [None; 3]);
         assert!([b"#N/A".as_slice(), b"1.#IND", b"-1.#INF", b"-nan(ind)", b"None"].iter().all(|cell| is_empty(cell)));
         assert!(!is_empty(b"-1.5") && !is_empty(b"x"));
     }

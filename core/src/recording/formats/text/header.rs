@@ -67,14 +67,19 @@ pub(super) fn blank_titles(bytes: &mut Vec<u8>) {
     let lines = lines(bytes);
     let above: Vec<(usize, usize, bool)> =
         lines[..first].iter().map(|(start, line)| (*start, line.len(), count(line, separator) == width)).collect();
-    let fits: Vec<(usize, usize)> =
+    // A program for tables fills the line of a title with separators.
+    let is_title = |&(start, length): &(usize, usize)| {
+        cells(&bytes[start..start + length], separator).iter().skip(1).all(String::is_empty)
+    };
+    let mut padded: Vec<(usize, usize)> =
         above.iter().filter(|(.., fits)| *fits).map(|&(start, len, _)| (start, len)).collect();
+    let titled = padded.iter().take_while(|line| is_title(line)).count();
+    let fits = padded.split_off(titled.min(padded.len().saturating_sub(1)));
     if fits.is_empty() || fits.len() > MOST_LINES || above.iter().rev().take(fits.len()).any(|(.., fits)| !fits) {
         return;
     }
-    let titles: Vec<(usize, usize)> =
-        above.iter().filter(|(.., fits)| !fits).map(|&(start, len, _)| (start, len)).collect();
-    for (start, length) in titles {
+    let titles = above.iter().filter(|(.., fits)| !fits).map(|&(start, len, _)| (start, len));
+    for (start, length) in titles.chain(padded) {
         bytes[start..start + length].fill(b'\r');
     }
     let [(name_start, name_length), below @ ..] = &fits[..] else { return };
@@ -120,15 +125,21 @@ fn rows(bytes: &[u8]) -> Option<(u8, usize, usize)> {
 
 /// A line of names with the cells of the line below it: units in brackets, joints as parts of a path, and their numbers.
 fn joined(names: &[u8], below: &[u8], separator: u8) -> Option<Vec<u8>> {
-    let (names, below) = (cells(names, separator), cells(below, separator));
+    let (mut names, mut below) = (cells(names, separator), cells(below, separator));
+    let bare = |cell: &str| cell.trim_matches(['[', ']', '(', ')']).to_owned();
+    let are_units = |cells: &[String]| {
+        let units = cells.iter().filter(|cell| columns::is_unit(&bare(cell))).count();
+        2 * units > cells.iter().filter(|cell| !cell.is_empty()).count()
+    };
+    // Units may stand above the names.
+    if are_units(&names) && !are_units(&below) {
+        std::mem::swap(&mut names, &mut below);
+    }
     let numbers = are_numbers_of_columns(&names, &below);
     if !numbers && below.iter().any(|cell| is_number(cell.as_bytes())) {
         return None;
     }
-    let bare = |cell: &str| cell.trim_matches(['[', ']', '(', ')']).to_owned();
-    let is_unit = |cell: &String| columns::is_unit(&bare(cell));
-    let units = below.iter().filter(|cell| is_unit(cell)).count();
-    let of_units = 2 * units > below.iter().filter(|cell| !cell.is_empty()).count();
+    let of_units = are_units(&below);
     // Names of the levels stand above that of the index, and none of them is a column's.
     let of_index = !of_units && below.iter().skip(1).all(String::is_empty) && columns::time(&names[0], 1).is_none();
     let cells =
@@ -160,6 +171,10 @@ mod tests {
         let rows = "0,1,2\n1,2,3\n2,3,4\n";
         assert_eq!(read(&format!("Log of May\nBy: A, B\n\nt,q1,tau1\n{rows}")), format!("\n\n\nt,q1,tau1\n{rows}"));
         assert_eq!(read(&format!("t,q1,tau1\ns,deg,Nm\n{rows}")), format!("t [s],q1 [deg],tau1 [Nm]\n\n{rows}"));
+        assert_eq!(read(&format!("s,deg,Nm\nt,q1,tau1\n{rows}")), format!("t [s],q1 [deg],tau1 [Nm]\n\n{rows}"));
+        // A title that is filled up with separators.
+        let filled = format!("Run 3,,\ns,deg,Nm\nt,q1,tau1\n{rows}");
+        assert_eq!(read(&filled), format!("\nt [s],q1 [deg],tau1 [Nm]\n\n{rows}"));
         let two = format!("time,position,effort\n,elbow,elbow\n{rows}");
         assert_eq!(read(&two), format!("time,position/elbow,effort/elbow\n\n{rows}"));
         let three = format!(",position,effort\n,elbow,elbow\ntime,,\n{rows}");

@@ -8,7 +8,7 @@ use crate::error::{Error, Result};
 use crate::recording::Recording;
 use crate::recording::cleaning::{Rejected, Rows, missing, sentinel, unwrap};
 use crate::recording::columns::{self, ABSENT, ColumnMap, Demand, JointNames, Layout};
-use crate::recording::sampling::{rates, reversed, stamps};
+use crate::recording::sampling::{rates, reversed, stamps, unsorted};
 use std::path::{Path, PathBuf};
 
 /// A log without its unusable rows.
@@ -69,7 +69,8 @@ pub fn joint_names(path: impl AsRef<Path>, known: &[String], map: &ColumnMap) ->
     if let Some(q) = &map.q {
         return Ok(JointNames { numbered: q.len(), ..JointNames::default() });
     }
-    Ok(columns::joint_names(source::open(path.as_ref(), Some(known), map)?.header(), known))
+    let source = source::open(path.as_ref(), Some(known), map)?;
+    Ok(columns::joint_names(&columns::placed(source.header(), &map.addresses).header, known))
 }
 
 /// Reads a log and leaves out rows that are ragged or not numeric, not finite, absurd, or out of time. `joints` are the
@@ -110,21 +111,25 @@ fn read(paths: &[PathBuf], joints: Option<&[String]>, map: &ColumnMap, positions
         return Err(Error::input(path, source.line(), "effort", problem));
     }
     let header = sources.iter().flat_map(Source::header).cloned().collect();
-    let mut header = map.rename(path, header)?;
+    let placed = columns::placed(&map.rename(path, header)?, &map.addresses);
+    let mut header = placed.header;
     join::name_by_files(paths, &sources, &mut header);
+    join::name_by_joints(paths, &sources, &mut header);
     let times = join::hide_times(&sources, &mut header);
     let own = sources[0].own_joints();
+    let hidden = [times.hidden, placed.others].concat();
     let demand = Demand {
         lenient: true,
         timeless: map.rate_hz.is_some(),
         positions_alone,
         constants: map.torque_constants,
-        hidden: &times.hidden,
+        hidden: &hidden,
         motors: &map.motors,
     };
     let mut layout = Layout::search(path, sources[0].line(), &header, joints.or(own.as_deref()), demand)?;
     let join::Joined { mut columns, mut lines, rejected: unreadable, notes: joined } =
         join::rows(paths, &mut sources, &header, &layout.used(), &times.of_files)?;
+    layout.understood.extend(placed.note);
     layout.understood.extend(joined);
     layout.understood.extend(sentinel::removed(&layout, &header, &mut columns));
     let empty = missing::empty_columns(&layout, &columns);
@@ -133,6 +138,7 @@ fn read(paths: &[PathBuf], joints: Option<&[String]>, map: &ColumnMap, positions
         let problem = "holds no position in any row; log it, or choose joints that were logged";
         return Err(Error::input(path, None, name.as_str(), problem));
     }
+    layout.understood.extend(rates::without_unfilled(&layout, &mut columns, &mut lines));
     layout.understood.extend(rates::without_blanks(&layout, &mut columns, &mut lines));
     layout.leave_out_derivatives(&missing::derivatives_with_gaps(&layout, &columns), "has gaps");
     layout.leave_out_torques(&missing::torques_with_gaps(&layout, &columns));
@@ -142,6 +148,7 @@ fn read(paths: &[PathBuf], joints: Option<&[String]>, map: &ColumnMap, positions
         return Err(Error::input(path, None, "torque", problem));
     }
     layout.understood.extend(reversed::undo(&layout, &mut columns, &mut lines));
+    layout.understood.extend(unsorted::sort(&layout, &mut columns, &mut lines));
     let mut corrections = std::mem::take(&mut layout.understood);
     let clock = stamps::clock(path, sources[0].text(), &mut layout, &mut columns, &mut header, lines.len(), map)?;
     corrections.extend(clock.corrections);
@@ -152,7 +159,8 @@ fn read(paths: &[PathBuf], joints: Option<&[String]>, map: &ColumnMap, positions
     let rejected = rows.sieve(&layout, unreadable);
     let notes = std::mem::take(&mut layout.notes).into_iter().chain(sources.iter().flat_map(Source::notes)).collect();
     let unknown_joints = std::mem::take(&mut layout.unknown_joints);
-    let (currents, of_motors, of_controller) = (layout.currents, layout.of_motors, layout.of_controller.take());
+    let (currents, of_motors, of_controller) =
+        (layout.currents, layout.of_motors || placed.of_motors, layout.of_controller.take());
     let of_names = layout.units();
     let mut recording = layout.recording(rows.columns);
     let (converted, doubts) = units::in_si(&mut recording, of_names, map.known_units);

@@ -8,7 +8,7 @@ use super::names::Names;
 use super::shapes;
 use crate::error::Result;
 use crate::robot::description::{JointDescription, LinkDescription, Missing, Motion};
-use crate::robot::model::{Drive, Inertia, Limits, Pose};
+use crate::robot::model::{Addresses, Drive, Inertia, Limits, Pose};
 use nalgebra::{Matrix3, Unit, Vector3};
 
 /// What limits no joint.
@@ -24,6 +24,8 @@ pub(super) struct Bodies<'a> {
     pub joints: Vec<JointDescription>,
     /// Position at which each joint is drawn.
     pub drawn: Vec<f64>,
+    /// Places of the joints in the simulator's vectors.
+    pub addresses: Addresses,
     /// What was read otherwise than it is written.
     pub notes: Vec<String>,
     link_names: Names,
@@ -59,6 +61,7 @@ impl<'a> Bodies<'a> {
             links: Vec::new(),
             joints: Vec::new(),
             drawn: Vec::new(),
+            addresses: Addresses::default(),
             notes: Vec::new(),
             link_names: Names::of(root, "body"),
             joint_names: Names::of(root, "joint"),
@@ -254,6 +257,12 @@ impl<'a> Bodies<'a> {
             }
             kind => return Err(element.error(format!("type {kind} is not known; use hinge, slide, ball or free"))),
         };
+        let places = match kind {
+            "free" => [7, 6],
+            "ball" => [4, 3],
+            _ => [1, 1],
+        };
+        self.addresses.add(&name, places);
         let anchor = around.rotation * joint.vector("pos")?.unwrap_or_default() + around.translation;
         // A free body is where its own frame is, wherever the joint is said to be.
         let anchor = if kind == "free" { Vector3::zeros() } else { anchor };

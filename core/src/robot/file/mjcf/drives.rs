@@ -45,6 +45,16 @@ pub(super) fn named(root: &Element, bodies: &Bodies, models: &Models) -> Result<
     Ok(out)
 }
 
+/// Numbers the drives as the simulator does, each with the joint that it moves alone.
+pub(super) fn number(root: &Element, bodies: &mut Bodies) {
+    for element in root.all("actuator").flat_map(|section| &section.children) {
+        if ACTUATORS.contains(&element.tag.as_str()) {
+            bodies.addresses.add_motor(element.get("joint").or(element.get("jointinparent")));
+        }
+    }
+    bodies.addresses.settle();
+}
+
 /// The highest effort of one drive at its joint.
 fn highest(drive: &Settled, auto_limits: bool) -> Result<f64> {
     let gear = drive.number("gear")?.unwrap_or(1.0).abs();

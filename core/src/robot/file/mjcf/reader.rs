@@ -44,6 +44,7 @@ pub(crate) fn read(source: &XmlText) -> Result<Description> {
     }
     drives::set_efforts(&root, &mut bodies, &models)?;
     let actuators = drives::named(&root, &bodies, &models)?;
+    drives::number(&root, &mut bodies);
     couplings::couple(&root, &mut bodies)?;
     settle_mimics(path, &mut bodies.joints, &mut bodies.notes)?;
     scale(&mut bodies, models.main().total_mass);
@@ -61,6 +62,7 @@ pub(crate) fn read(source: &XmlText) -> Result<Description> {
         links: bodies.links,
         joints: bodies.joints,
         actuators,
+        addresses: bodies.addresses,
         notes: bodies.notes,
     })
 }

@@ -7,7 +7,7 @@ use crate::error::{Error, Result};
 use crate::robot::description::{
     Description, JointDescription, LinkDescription, Mimic, Missing, Motion, settle_mimics,
 };
-use crate::robot::model::{Drive, GRAVITY, Inertia, Limits};
+use crate::robot::model::{Addresses, Drive, GRAVITY, Inertia, Limits};
 use nalgebra::{Matrix3, Vector3};
 use roxmltree::{Document, Node};
 use std::collections::HashMap;
@@ -121,6 +121,7 @@ impl Reader<'_, '_> {
             links,
             joints,
             actuators: Vec::new(),
+            addresses: Addresses::default(),
             notes,
         })
     }

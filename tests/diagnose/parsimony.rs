@@ -51,7 +51,7 @@ fn an_offset_larger_than_the_torque_of_a_wrist_is_an_offset() {
     assert!(matches!(named[..], [("torque_offset", WRIST, _)]), "{named:?}");
 }
 
-/// Hoses do not carry an arm: their torque is at most half of that of their joint, or of a tenth of what its drive can do.
+/// Hoses do not carry an arm: their torque is at most half of that of their joint, or a tenth of what its drive can do.
 #[test]
 fn hoses_that_are_most_of_the_torque_of_an_idle_wrist_are_hoses() {
     let quiet = logs(&SETUP, 44, 1);
@@ -59,7 +59,7 @@ fn hoses_that_are_most_of_the_torque_of_an_idle_wrist_are_hoses() {
     let logs = logs(&with(&[hidden("joint_spring", WRIST, &[stiffness, 0.0])]), 44, 3);
     let spring = stiffness * rms(positions(&logs));
     assert!(spring > 0.5 * rms(torques(&logs)), "{spring}");
-    let limit = 20.0 * spring;
+    let limit = 10.0 * spring;
     let named = named_under(1.3 * limit, &logs, "joint_spring");
     assert!(matches!(named[..], [("joint_spring", WRIST, _)]), "{named:?}");
     assert!(named_under(0.7 * limit, &logs, "joint_spring").is_empty());

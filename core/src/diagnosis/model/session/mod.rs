@@ -12,9 +12,9 @@ use crate::diagnosis::model::data_set::DataSet;
 use crate::diagnosis::model::errors_in_variables::{ErrorsInVariables, Nuisances};
 use crate::diagnosis::model::member::Member;
 use crate::diagnosis::model::prepared::PreparedLogs;
-use crate::diagnosis::model::roles::{ENDS_OF_EVENT_S, is_event, is_gap, is_level, is_shift, linear, shapes};
+use crate::diagnosis::model::roles::{ENDS_OF_EVENT_S, is_event, is_gap, is_level, is_shift, linear, prior, shapes};
 use crate::diagnosis::noise::{NoiseMemory, Whitener};
-use crate::diagnosis::regression::{Column, Projection, Solved, combined};
+use crate::diagnosis::regression::{Column, Described, Projection, Solved, combined};
 use crate::effects::Placed;
 use crate::error::Result;
 use crate::identification::effect_model::Arm;
@@ -165,7 +165,21 @@ impl<'a> Session<'a> {
     /// If a log is too short to differentiate.
     pub(crate) fn solved(&self, members: &[Member], whitener: &Whitener) -> Result<Solved> {
         let columns = self.model.columns(&self.logs.train, members)?;
-        Ok(whitener.solve(&columns, &self.logs.train.torque).with_described(&self.model.described(&self.logs.train)))
+        let mut described = self.model.described(&self.logs.train);
+        described.extend(self.known_of(members));
+        Ok(whitener.solve(&columns, &self.logs.train.torque).with_described(&described))
+    }
+
+    /// What is known of the amplitudes of `members` beforehand: that a body differs from the described one by no more than such bodies do. A
+    /// mass without a lever would come out as any number.
+    fn known_of(&self, members: &[Member]) -> Vec<Described> {
+        let robot = self.model.base.robot();
+        let blocks = self.blocks(members).members;
+        let each = members.iter().zip(blocks).flat_map(|(member, block)| {
+            let spread = prior(&member.placed, robot);
+            block.amplitudes.zip(spread).map(|(place, std)| Described { place, value: 0.0, std })
+        });
+        each.filter(|one| one.std.is_finite() && one.std > 0.0).collect()
     }
 
     /// Solves for all parameters with the members in the model and writes the estimates back; the arm takes its own, and with it
@@ -325,6 +339,41 @@ impl<'a> Session<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::diagnosis::model::Candidate;
+    use crate::diagnosis::test_logs::log;
+    use crate::effects::find;
+    use crate::identification::effect_model::Trust;
+    use crate::identification::model::Model;
+    use crate::robot::{InertiaCheck, load};
+
+    /// About a vertical axis one moment of inertia of the first link has torque. Its mass hardly has any here, and came out as 900 kg.
+    #[test]
+    fn the_mass_of_a_link_without_a_lever_stays_as_described() {
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../urdf/irb1600_6_120.urdf");
+        let robot = load(path, InertiaCheck::Required).unwrap();
+        let arm = Arm::new(&robot, Trust::Nominal);
+        let logs = [1, 2].map(|seed| log(&arm, seed));
+        let model = Model::new(&robot);
+        let session = Session::new(&model, Trust::Nominal, &[&logs[0]], &[&logs[1]]).unwrap();
+        let placed = Placed::typical(find("link_inertia_error").unwrap(), 0);
+        let columns = session.model.arm.baseline(&model, &session.logs.train.rows);
+        let rows = columns[0].part(0).unwrap().len();
+        let mut of_link = vec![Column::default(); 10];
+        of_link[0] = Column::on(0, (0..rows).map(|row| 1e-9 * (0.7 * row as f64).sin()).collect());
+        of_link[9] = Column::on(0, session.logs.train.rows.signal(|log| log.motion.qdd.channel(0).to_vec()));
+        let factors = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.1];
+        let member = Member::new(&Candidate { placed, log: None, columns: of_link.into() }, &factors);
+        let known = session.known_of(std::slice::from_ref(&member));
+        assert_eq!(known.len(), 10);
+        assert!(known.iter().all(|one| one.value == 0.0) && known[0].std == robot.joints[0].inertia.mass());
+        let whitener = session.fit_under(&session.logs.train.baseline).whitener;
+        let solved = session.solved(&[member], &whitener).unwrap();
+        let mass = solved.values[known[0].place];
+        assert!(mass.abs() < robot.joints[0].inertia.mass(), "{mass}");
+        let gain = Placed::typical(find("torque_gain").unwrap(), 0);
+        let gain = Member::new(&Candidate { placed: gain, log: None, columns: vec![Column::default()].into() }, &[0.0]);
+        assert!(session.known_of(&[gain]).is_empty());
+    }
 
     #[test]
     fn two_estimates_of_a_gap_are_as_uncertain_as_they_differ() {

@@ -5,7 +5,6 @@ use crate::channels::Channels;
 use crate::dynamics::Motion;
 use crate::error::Result;
 use crate::signal::{ZeroPhaseLowPass, first_derivative, noise_floor, second_derivative, smooth_derivatives};
-use std::borrow::Cow;
 
 /// Most rounds in which the twists of elastic gears settle, and the change of the largest twist, over itself, at which they have.
 const ROUNDS: usize = 4;
@@ -41,7 +40,7 @@ pub(crate) trait GearTrain {
     ///
     /// # Errors
     /// If the log is too short for the filter.
-    fn sharp(&self) -> Result<Cow<'_, Motion>>;
+    fn sharp(&self) -> Result<&Motion>;
 
     /// Time between two samples, s.
     fn period(&self) -> f64;
@@ -65,10 +64,12 @@ pub(crate) trait GearTrain {
 /// If there are too few samples for the filters.
 pub(crate) fn sharp(measured: &Channels, period: f64) -> Result<Motion> {
     let (rate_hz, mut q) = (1.0 / period, measured.clone());
-    let (lowest, highest) = (SHARP_HZ.min(SHARP_SHARE * rate_hz), SHARP_SHARE * rate_hz);
+    let highest = SHARP_SHARE * rate_hz;
+    let lowest = SHARP_HZ.min(highest);
+    let low_pass = ZeroPhaseLowPass::new(SWING_ORDER, lowest, rate_hz)?;
     for joint in 0..q.channels() {
         let mut smooth = measured.channel(joint).to_vec();
-        ZeroPhaseLowPass::new(SWING_ORDER, lowest, rate_hz)?.apply_in_place(&mut smooth)?;
+        low_pass.apply_in_place(&mut smooth)?;
         let hz = sharpest(noise_floor(measured.channel(joint)), &smooth, rate_hz);
         if hz <= lowest {
             q.channel_mut(joint).copy_from_slice(&smooth);
@@ -155,7 +156,7 @@ fn put_behind(motion: &mut Motion, joint: usize, twist: Vec<f64>, period: f64) -
 /// positions. A gear without a compliance of its own is followed with a stiff one, whose share of the twist is taken off.
 fn play(train: &impl GearTrain, joint: usize, gear: Gear) -> Result<Vec<f64>> {
     let sharp = train.sharp()?;
-    let [load, inertia] = load_and_inertia(train, joint, sharp.into_owned());
+    let [load, inertia] = load_and_inertia(train, joint, sharp.clone());
     let rotor = match train.rotor(joint) {
         rotor if rotor > 0.0 => rotor,
         _ => inertia.iter().sum::<f64>() / inertia.len().max(1) as f64,

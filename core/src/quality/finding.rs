@@ -170,10 +170,7 @@ pub(crate) fn alike_together(findings: &[Finding]) -> Vec<Finding> {
         let own: Vec<&Finding> = findings.iter().filter(|other| key(other) == key(finding)).collect();
         if !OF_ALL_JOINTS.contains(&finding.kind) || own.len() < 2 {
             out.push(finding.clone());
-        } else if !out
-            .iter()
-            .any(|known| known.kind == finding.kind && known.text == finding.text && time(known) == time(finding))
-        {
+        } else if std::ptr::eq(own[0], finding) {
             let since = time(finding).unwrap_or_default();
             let places: Vec<String> =
                 own.iter().map(|other| other.place.trim_end_matches(since.as_str()).to_owned()).collect();

@@ -277,9 +277,8 @@ pub(super) fn withdraw(
         let on_joints = joints.iter().map(|joint| certain.contains(joint).then(|| explained(*joint)));
         let on_joints: Option<Vec<Judgement>> = on_joints.collect();
         let open = on_joints.filter(|_| one.member.candidate.log.is_none()).unwrap_or_default();
-        let is_open = !open.is_empty() && open.iter().all(|judgement| !judgement.passed);
-        if let Some(failed) = Judgement::first_failed(open.into_iter().filter(|_| is_open)) {
-            one.withdraw(failed);
+        if let Some(failed) = open.first().filter(|_| open.iter().all(|judgement| !judgement.passed)) {
+            one.withdraw(*failed);
         }
     }
 }

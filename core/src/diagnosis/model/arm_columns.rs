@@ -12,7 +12,6 @@ use crate::identification::model::Model;
 use crate::identification::standard::{COULOMB, STANDARD};
 use crate::signal::second_derivative;
 use rayon::prelude::*;
-use std::borrow::Cow;
 use std::ops::Range;
 
 /// Placed effects whose torque is worked out in one pass over a log; bounds the memory that takes.
@@ -239,7 +238,7 @@ impl Arm {
             arm: self,
             motors: &log.motion,
             period: log.period,
-            sharp: Box::new(|| Ok(Cow::Borrowed(log.sharp()?))),
+            sharp: Box::new(|| log.sharp()),
             smoothed: Box::new(|joint, signal| {
                 let mut smooth = signal.to_vec();
                 log.low_pass[joint].apply_in_place(&mut smooth)?;

@@ -136,7 +136,7 @@ impl<'a> Judge<'a> {
             let valid = &self.session.logs.test.rows.valid;
             let residuals = [&without[1], &with[1]].map(|residual| rms(valid, residual));
             judgements.push(predicts(&joints, &residuals, &self.noise, criteria));
-            judgements.push(self.on_every_joint([&without[1], &with[1]]));
+            judgements.push(self.on_every_joint([&without[1], &with[1]], &residuals[1]));
         }
         if is_shift(member.placed.effect) && member.placed.effect.about().scope == Scope::Arm {
             judgements.push(self.undone_by_lags(kept, index));
@@ -161,10 +161,9 @@ impl<'a> Judge<'a> {
         contradicted_by_none(worst, starts.len() - 1, &self.session.criteria.levels)
     }
 
-    /// The largest factor on the baseline's residual of a joint of those that grow with a finding.
-    fn on_every_joint(&self, [before, after]: [&Column; 2]) -> Judgement {
-        let valid = &self.session.logs.test.rows.valid;
-        let [baseline, new] = [&self.baseline, after].map(|residual| rms(valid, residual));
+    /// The largest factor on the baseline's residual of a joint of those that grow with a finding; `new` is the root mean square after.
+    fn on_every_joint(&self, [before, after]: [&Column; 2], new: &[f64]) -> Judgement {
+        let baseline = rms(&self.session.logs.test.rows.valid, &self.baseline);
         let factors = self.growing_joints([before, after]).map(|joint| new[joint] / baseline[joint]);
         predicts_every_joint(factors.fold(1.0, f64::max), &self.session.criteria)
     }

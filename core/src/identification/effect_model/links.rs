@@ -3,7 +3,7 @@
 use super::arm::Arm;
 use super::state::EffectModel;
 use crate::dynamics::Motion;
-use crate::effects::{Gear, GearTrain, behind_encoder, behind_gears, sharp};
+use crate::effects::{Gear, GearTrain, behind_encoder, behind_gears};
 use crate::error::Result;
 use crate::identification::preparation::prepare::Prepared;
 use crate::recording::Recording;
@@ -48,12 +48,11 @@ impl EffectModel<'_> {
 
     /// Its gears along a log.
     fn geared<'b>(&self, arm: &'b Arm, log: &'b Recording, prepared: &'b Prepared) -> Geared<'b> {
-        let period = 1.0 / log.rate_hz();
         Geared {
             arm,
             motors: &prepared.motion,
-            period,
-            sharp: Box::new(move || Ok(Cow::Owned(sharp(&log.q, period)?))),
+            period: 1.0 / log.rate_hz(),
+            sharp: Box::new(move || prepared.sharp(log)),
             smoothed: Box::new(|joint, signal| prepared.filtered_like_positions(joint, signal)),
         }
     }
@@ -71,7 +70,7 @@ pub(crate) struct Geared<'a> {
     /// Time between two samples, s.
     pub period: f64,
     /// The motion along which play is followed, hardly smoothed or not at all.
-    pub sharp: Box<dyn Fn() -> Result<Cow<'a, Motion>> + 'a>,
+    pub sharp: Box<dyn Fn() -> Result<&'a Motion> + 'a>,
     /// A signal of a joint through the low-pass that its positions went through.
     pub smoothed: Box<Filter<'a>>,
 }
@@ -81,7 +80,7 @@ impl GearTrain for Geared<'_> {
         self.motors
     }
 
-    fn sharp(&self) -> Result<Cow<'_, Motion>> {
+    fn sharp(&self) -> Result<&Motion> {
         (self.sharp)()
     }
 

@@ -6,6 +6,7 @@ use super::low_passed;
 use super::reversals::{self, Band};
 use crate::channels::Channels;
 use crate::dynamics::Motion;
+use crate::effects;
 use crate::error::{Error, Result};
 use crate::identification::model::Model;
 use crate::identification::model::linear_model::LinearModel;
@@ -18,6 +19,7 @@ use crate::signal::{
 use std::borrow::{Borrow, Cow};
 use std::f64::consts::SQRT_2;
 use std::ops::Range;
+use std::sync::OnceLock;
 
 /// How measured signals are smoothed before they enter the regression.
 ///
@@ -124,6 +126,8 @@ pub struct Prepared<'a> {
     pub time: Cow<'a, [f64]>,
     /// The motion as the model sees it, at the rate of the log.
     pub motion: Motion,
+    /// [`Prepared::sharp`], once it has been computed.
+    sharp: OnceLock<Motion>,
     /// Torque, unfiltered; bridged where it was not measured.
     pub torque: Cow<'a, Channels>,
     /// Samples without torque, of each joint.
@@ -213,6 +217,7 @@ pub fn measured(
         joints: recording.joints.clone(),
         time: Cow::Borrowed(&recording.time),
         motion,
+        sharp: OnceLock::new(),
         torque,
         unmeasured,
         filter,
@@ -266,6 +271,7 @@ pub fn exact<'a>(time: &'a [f64], signals: &'a Signals, band: f64) -> Prepared<'
         joints: (1..=q.channels()).map(|joint| format!("joint {joint}")).collect(),
         time: Cow::Borrowed(time),
         motion: Motion { q: q.clone(), qd: qd.clone(), qdd: qdd.clone() },
+        sharp: OnceLock::new(),
         torque: Cow::Borrowed(tau),
         unmeasured: vec![Vec::new(); q.channels()],
         filter: Filter::None,
@@ -313,6 +319,18 @@ impl<'a> Prepared<'a> {
                 })
             })
             .collect()
+    }
+
+    /// The motion along which play is followed, from the positions of the log that this was made from. A fit asks for it at every step.
+    ///
+    /// # Errors
+    /// If the log is too short for the filters.
+    pub(in crate::identification) fn sharp(&self, log: &Recording) -> Result<&Motion> {
+        if let Some(sharp) = self.sharp.get() {
+            return Ok(sharp);
+        }
+        let motion = effects::sharp(&log.q, 1.0 / log.rate_hz())?;
+        Ok(self.sharp.get_or_init(|| motion))
     }
 
     /// A signal of a joint through the filter that its positions went through, at the rate of the log.

@@ -5,4 +5,4 @@ mod gravity;
 mod text;
 
 pub(crate) use faults::stopped_lines;
-pub(crate) use text::{followed, impacts, largest, lines, not_simulated, place};
+pub(crate) use text::{followed, held, impacts, largest, lines, not_simulated, place};

@@ -3,8 +3,8 @@
 use super::faults::fault_lines;
 use super::gravity;
 use crate::diagnosis::{
-    Consequence, DataFault, Diagnosis, EXTENDED_SCENARIO, Family, Finding, Found, Gate, JointMap, LOGS_DISAGREE,
-    Levels, Minor, NamedParameter, Part, Play, ResidualMap, Resimulation, Share, Verdict,
+    Consequence, DataFault, Diagnosis, EXTENDED_SCENARIO, Family, Found, Gate, JointMap, LOGS_DISAGREE, Levels, Minor,
+    NamedParameter, Part, Play, ResidualMap, Resimulation, Share, Verdict,
 };
 use crate::effects;
 use crate::error::Error;
@@ -40,18 +40,17 @@ pub(crate) fn lines(
     }));
     lines.extend(shown(robot, diagnosis).into_iter().map(|text| format!("Note: {text}.")));
     for found in &diagnosis.before {
-        lines.push(format!(
-            "Present before the change: {}: {}",
-            names(robot, found),
-            values(&finding(robot, found, &[], &diagnosis.scope.criteria.levels))
-        ));
+        let finding = finding(robot, found, &[], &diagnosis.scope.criteria.levels);
+        let values = values(finding.effect, &finding.parameters);
+        lines.push(format!("Present before the change: {}: {values}", names(robot, found)));
     }
     let all = findings(robot, diagnosis);
     let ahead = all.len() - diagnosis.found.len();
     lines.extend(all[..ahead].iter().map(|finding| format!("- {}", finding.explanation)));
     for (found, finding) in diagnosis.found.iter().zip(&all[ahead..]) {
         lines.push(format!("- {}", missed(robot, diagnosis, found)));
-        let change = if finding.parameters.is_empty() { String::new() } else { values(finding) };
+        let change =
+            if finding.parameters.is_empty() { String::new() } else { values(finding.effect, &finding.parameters) };
         let verb = match found.verdict {
             Verdict::Unexplained => "Its best fit:",
             _ if diagnosis.scope.against_reference => "Changed by",
@@ -280,17 +279,28 @@ pub(crate) fn impacts(play: &Play) -> String {
     )
 }
 
-/// The parameters that are printed: from the one on by which practitioners call the effect's size, else the first few.
-fn values(finding: &Finding) -> String {
-    let parameters: &[NamedParameter] = &finding.parameters;
-    let headline = effects::find(finding.effect).map_or(&[][..], |effect| effect.headline());
+/// The parameters that are printed: from the one on by which practitioners call the effect's size, else the first few. Where the logs
+/// determine none of them by itself, their values say nothing one by one, and their names are printed without.
+fn values(effect: &str, parameters: &[NamedParameter]) -> String {
+    let headline = effects::find(effect).map_or(&[][..], |effect| effect.headline());
     let named = parameters.iter().position(|parameter| headline.contains(&parameter.name)).unwrap_or(0);
-    let shown = parameters[named..].iter().take(MENTIONED);
-    let each = shown.map(|p| match p.std.is_finite() {
+    let shown = &parameters[named..parameters.len().min(named + MENTIONED)];
+    if shown.len() > 1 && parameters.iter().all(|parameter| !parameter.std.is_finite()) {
+        let names: Vec<&str> = parameters.iter().map(|parameter| parameter.name).collect();
+        return format!("{}, of which the logs determine combinations alone", names.join(", "));
+    }
+    let each = shown.iter().map(|p| match p.std.is_finite() {
         true => format!("{} {}", p.name, with_unit(measured(p.value, p.std), p.unit)),
-        false => format!("{} not determined by itself (held at {})", p.name, significant(p.value)),
+        false => format!("{} not determined by itself (held at {})", p.name, significant(held(p.value))),
     });
     each.collect::<Vec<String>>().join(", ")
+}
+
+/// A value that is held, without what rounding leaves of zero.
+pub(crate) fn held(value: f64) -> f64 {
+    /// Below the smallest parameter of any law in SI units: compliances are about 1e-6 rad/(N m).
+    const ROUNDING: f64 = 1e-9;
+    if value.abs() < ROUNDING { 0.0 } else { value }
 }
 
 /// When the residual is largest where it is unexplained, for the joint on which it exceeds the noise most; and what it follows, where no
@@ -463,5 +473,16 @@ mod tests {
         // Where someone said how they stand, nothing is assumed.
         choice.hold.insert("finger_left_joint".into(), 0.01);
         assert_eq!(of(&robot(&choice), "payload", 0), None);
+    }
+    #[test]
+    fn parameters_that_are_determined_only_together_have_no_values_of_their_own() {
+        let of = |name, value, std| NamedParameter { name, joint: None, value, std, unit: "kg" };
+        let (unknown, known) = (f64::INFINITY, 0.02);
+        let said = values("link_inertia_error", &[of("dm", 1.1e-12, unknown), of("dmx", -0.127, unknown)]);
+        assert_eq!(said, "dm, dmx, of which the logs determine combinations alone");
+        let said = values("link_inertia_error", &[of("dm", 1.1e-12, unknown), of("dmx", -0.127, known)]);
+        assert_eq!(said, "dm not determined by itself (held at 0), dmx -0.127 +- 0.020 kg");
+        let said = values("link_inertia_error", &[of("dm", 1e-6, unknown)]);
+        assert_eq!(said, "dm not determined by itself (held at 1.00e-6)");
     }
 }

@@ -16,7 +16,7 @@ use crate::internal::diagnosis::shown;
 use crate::quality::with_logs;
 use crate::recording::Recording;
 use crate::report::console::significant;
-use crate::report::diagnosis::impacts;
+use crate::report::diagnosis::{held, impacts};
 use crate::report::payload;
 use crate::report::svg::Color;
 use crate::report::viewer::{joined, joined_time, offsets};
@@ -148,7 +148,7 @@ fn values(robot: &Robot, found: &Found) -> Vec<String> {
     all.filter(|((_, parameter), _)| parameter.role != Role::Held)
         .map(|((k, parameter), (&value, &std))| {
             if !std.is_finite() {
-                return format!("{} not determined by itself (held at {})", parameter.name, significant(value));
+                return format!("{} not determined by itself (held at {})", parameter.name, significant(held(value)));
             }
             let [low, high] = [-NORMAL_95, NORMAL_95].map(|factor| significant(value + factor * std));
             format!("{} {} {} (95 %: {low} to {high})", parameter.name, significant(value), placed.unit(k, robot))

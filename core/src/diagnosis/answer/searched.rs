@@ -89,7 +89,7 @@ fn take_out(
     minor: &mut Vec<Minor>,
     any_size: &[usize],
 ) -> Result<bool> {
-    let more = eliminate(session, &mut selection.found, &selection.whitener, any_size)?;
+    let more = eliminate(session, &mut selection.found, &selection.whitener, &selection.multiplicity, any_size)?;
     if more.is_empty() {
         return Ok(false);
     }

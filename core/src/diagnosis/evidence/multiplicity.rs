@@ -100,6 +100,11 @@ impl Multiplicity {
         self.kinds * self.of_kind.get(kind).copied().unwrap_or(1.0)
     }
 
+    /// How many independent tests of one kind there are, one at the least: places and shapes of a law.
+    pub(crate) fn of_kind(&self, kind: &str) -> f64 {
+        self.of_kind.get(kind).map_or(1.0, |tests| tests.max(1.0))
+    }
+
     /// Probability that the best of all kinds is as good without any effect, where one of this kind has `log_p`.
     pub(crate) fn level(&self, kind: &str, log_p: f64) -> f64 {
         family_wise(log_p, self.tests(kind))
@@ -196,6 +201,7 @@ mod tests {
         let many: Vec<(&str, usize)> = (1..=50).map(|k| ("a", k)).collect();
         let scan_of_many = scan(&many, false);
         assert!((40.0..63.0).contains(&scan_of_many.tests("a")), "{scan_of_many:?}");
+        assert!((40.0..63.0).contains(&scan_of_many.of_kind("a")) && scan_of_many.of_kind("none") == 1.0);
         assert!(scan(&[("a", 4); 50], false).tests("a") < 1.3);
     }
 
@@ -204,6 +210,8 @@ mod tests {
         let six: Vec<(&str, usize)> = (1..=6).map(|k| ("a", k)).collect();
         let [both, one] = [false, true].map(|one_sided| scan(&six, one_sided).tests("a"));
         assert!((4.5..7.8).contains(&both) && (2.2..3.9).contains(&one), "{both} {one}");
+        // Half a test is one all the same where it divides prior odds.
+        assert_eq!(scan(&six[..1], true).of_kind("a"), 1.0);
     }
 
     #[test]

@@ -4,6 +4,9 @@ use crate::linear::inner_product;
 use std::collections::BTreeSet;
 use std::ops::Range;
 
+/// Departure from a level, over it, that rounding makes.
+const ROUNDING: f64 = 1e-9;
+
 /// A torque over the rows, `(joint, values)` for every joint on which it is not zero, in the order of the joints.
 ///
 /// ```
@@ -162,6 +165,24 @@ pub fn rms(valid: &[Vec<bool>], residual: &Column) -> Vec<f64> {
         .collect()
 }
 
+/// Standard deviation of a residual about its mean over the valid rows, `[joint]`.
+pub(crate) fn deviation(valid: &[Vec<bool>], residual: &Column) -> Vec<f64> {
+    let spread = |(joint, valid): (usize, &Vec<bool>)| {
+        let values = residual.part(joint).into_iter().flatten().zip(valid);
+        let of_valid = || values.clone().filter(|(_, ok)| **ok).map(|(x, _)| *x);
+        let count = of_valid().count().max(1) as f64;
+        let mean = of_valid().sum::<f64>() / count;
+        (of_valid().map(|x| (x - mean).powi(2)).sum::<f64>() / count).sqrt()
+    };
+    valid.iter().enumerate().map(spread).collect()
+}
+
+/// Whether a signal is the same everywhere but for rounding.
+pub(crate) fn is_level(signal: &[f64]) -> bool {
+    let first = signal.first().copied().unwrap_or_default();
+    signal.iter().all(|x| (x - first).abs() <= ROUNDING * first.abs())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -202,5 +223,7 @@ mod tests {
         let residual = Column::on(1, vec![3.0, 100.0, 4.0]);
         let valid = vec![vec![true; 3], vec![true, false, true]];
         assert_eq!(rms(&valid, &residual), [0.0, 12.5f64.sqrt()]);
+        assert_eq!(deviation(&valid, &residual), [0.0, 0.5]);
+        assert!(is_level(&[3.0, 3.0 + 1e-12]) && !is_level(&[3.0, 3.1]) && !is_level(&[0.0, 1.0]));
     }
 }

@@ -3,6 +3,7 @@
 use super::fit::HeldFit;
 use super::gates::{Judge, Judged, predicts_every_joint};
 use crate::diagnosis::criteria::{Criteria, Gate, Judgement};
+use crate::diagnosis::evidence::Multiplicity;
 use crate::diagnosis::model::{Member, Session, is_event, is_level, shapes};
 use crate::diagnosis::noise::Whitener;
 use crate::diagnosis::search::{Found, members};
@@ -57,13 +58,14 @@ pub(crate) fn eliminate(
     session: &Session,
     found: &mut Vec<Found>,
     whitener: &Whitener,
+    multiplicity: &Multiplicity,
     any_size: &[usize],
 ) -> Result<Vec<Minor>> {
     if found.is_empty() {
         return Ok(Vec::new());
     }
     let members = members(found);
-    let judge = Judge::new(session, &members, whitener, any_size)?;
+    let judge = Judge::new(session, &members, whitener, multiplicity, any_size)?;
     let mut kept: Vec<usize> = (0..members.len()).collect();
     let mut out: Vec<(usize, Judgement, Vec<f64>)> = Vec::new();
     while let Some((index, failed, size)) = least_that_fails(&judge, &kept, &session.criteria) {

@@ -3,7 +3,7 @@
 use super::blocks::BlockProducts;
 use crate::diagnosis::model::{DataSet, Member, ParameterBlocks, Session};
 use crate::diagnosis::noise::Whitener;
-use crate::diagnosis::regression::{Column, Described, Solved, combined};
+use crate::diagnosis::regression::{Column, Described, Solved, combined, is_level};
 use crate::error::Result;
 use std::ops::Range;
 
@@ -66,6 +66,11 @@ impl<'a> HeldFit<'a> {
     /// Torque of a member as found along the training logs.
     pub(super) fn torque(&self, member: usize) -> &Column {
         &self.train[self.torques.start + member]
+    }
+
+    /// Whether the law of a member is a constant torque on a joint along the held-out logs.
+    pub(super) fn is_offset(&self, member: usize, joint: usize) -> bool {
+        self.test[self.law(member)].iter().filter_map(|column| column.part(joint)).all(is_level)
     }
 
     /// Residuals along the training and the held-out logs of the model with the members at `kept`, fitted as all models are

@@ -2,10 +2,10 @@
 
 use super::fit::HeldFit;
 use crate::diagnosis::criteria::{Criteria, Gate, Judgement, Levels};
-use crate::diagnosis::evidence::Gains;
+use crate::diagnosis::evidence::{Gains, Multiplicity};
 use crate::diagnosis::model::{Member, Session, is_level, is_shift};
 use crate::diagnosis::noise::Whitener;
-use crate::diagnosis::regression::{Column, rms};
+use crate::diagnosis::regression::{Column, deviation, rms};
 use crate::diagnosis::variance::{gain_over_generic_functions, torques};
 use crate::effects::{Scope, Site};
 use crate::error::Result;
@@ -33,6 +33,8 @@ pub(super) struct Judge<'a> {
     all_columns: Vec<Column>,
     /// Torque of the arm along them, `[joint][row]`, N m.
     torques: Vec<Vec<f64>>,
+    /// How many independent tests each kind of effect is worth.
+    multiplicity: &'a Multiplicity,
     /// What members explain beyond generic functions, as far as that was worked out: most of it is asked again after every elimination.
     beyond: Mutex<HashMap<LawOnJoint, Option<f64>>>,
 }
@@ -69,6 +71,7 @@ impl<'a> Judge<'a> {
         session: &'a Session<'a>,
         members: &'a [Member],
         whitener: &Whitener,
+        multiplicity: &'a Multiplicity,
         any_size: &[usize],
     ) -> Result<Self> {
         let criteria = &session.criteria;
@@ -85,8 +88,20 @@ impl<'a> Judge<'a> {
         let all_logs = session.over_all_logs();
         let all_columns = all_logs.model.columns(&all_logs.logs.train, members)?;
         let torques = torques(&all_logs.model.arm, &all_logs.logs.train.rows);
-        let beyond = Mutex::default();
-        Ok(Judge { session, members, fit, on_held_out, least, noise, baseline, all_logs, all_columns, torques, beyond })
+        Ok(Judge {
+            session,
+            members,
+            fit,
+            on_held_out,
+            least,
+            noise,
+            baseline,
+            all_logs,
+            all_columns,
+            torques,
+            multiplicity,
+            beyond: Mutex::default(),
+        })
     }
 
     /// Whether a member stays whatever the gates say: one that is held does not rest on residuals, and what the sampling makes is reported
@@ -213,15 +228,21 @@ impl<'a> Judge<'a> {
     }
 
     /// Share of the held-out excess over the noise that the member at `kept[index]` explains with the `others` in the model, in squares, on
-    /// that of its own joints where it is largest.
+    /// that of its own joints where it is largest. A constant is explained by an offset alone: what other laws predict is measured about the
+    /// mean, since each that has one predicts it.
     fn predicted(&self, kept: &[usize], others: &[usize], index: usize) -> f64 {
         let member = &self.members[kept[index]];
         if member.candidate.log.is_some() {
             return 0.0;
         }
         let valid = &self.session.logs.test.rows.valid;
-        let [before, after] = [others, kept].map(|members| rms(valid, &self.fit.residuals(members)[1]));
-        let share = |&joint: &usize| share_of_excess(before[joint], after[joint], self.noise[joint]);
+        let residuals = [others, kept].map(|members| self.fit.residuals(members)[1].clone());
+        let about_zero = residuals.each_ref().map(|residual| rms(valid, residual));
+        let about_mean = residuals.each_ref().map(|residual| deviation(valid, residual));
+        let share = |&joint: &usize| {
+            let [before, after] = if self.fit.is_offset(kept[index], joint) { &about_zero } else { &about_mean };
+            share_of_excess(before[joint], after[joint], self.noise[joint])
+        };
         own_joints(member).iter().map(share).fold(0.0, f64::max)
     }
 
@@ -248,15 +269,16 @@ impl<'a> Judge<'a> {
         self.beyond.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// What the member at `kept[index]` explains beyond generic functions, with the others in the model; None where the rows of that
-    /// comparison are too long for its law. A few numbers from the training logs that predict most of what the held-out ones have beyond
+    /// What the member at `kept[index]` explains beyond generic functions, with the others in the model, where each of the tests that its kind
+    /// is worth, places and shapes, is as likely beforehand; None where the rows of that comparison are too long for its law. A few numbers from the training logs that predict most of what the held-out ones have beyond
     /// the noise are a law, too, also where generic functions that are fitted to both explain as much.
     pub(super) fn beyond_structure(&self, kept: &[usize], index: usize) -> Option<Judgement> {
         let Criteria { levels, verdict, .. } = &self.session.criteria;
         let others: Vec<usize> = kept.iter().copied().filter(|&other| other != kept[index]).collect();
         let joints = self.members[kept[index]].candidate.joints().into_iter();
         let gain = joints.map(|joint| self.gain(kept[index], &others, joint)).sum::<Option<f64>>()?;
-        let gained = Judgement::at_least(Gate::BeyondStructure, gain, levels.log_odds);
+        let tests = self.multiplicity.of_kind(self.members[kept[index]].placed.effect.about().name);
+        let gained = Judgement::at_least(Gate::BeyondStructure, gain, levels.log_odds + tests.ln());
         Some(gained.or(gained.passed || self.predicted(kept, &others, index) >= verdict.explained))
     }
 }

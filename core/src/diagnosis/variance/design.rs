@@ -2,7 +2,7 @@
 
 use super::kinds::{Kind, Signals};
 use crate::diagnosis::logs::Rows;
-use crate::diagnosis::regression::Column;
+use crate::diagnosis::regression::{Column, is_level};
 use crate::linear::{OrthonormalBasis, gram_matrix, transposed_product};
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
@@ -15,7 +15,7 @@ const TOGETHER: usize = 4;
 const ROUNDING: f64 = 1e-5;
 
 /// Share of a law's square, beyond the model, in its mean from which it counts as a constant: the kind of constants is then collinear with
-/// it and has no functions. It keeps the regression determined, and decides about no name.
+/// it and has no functions. It keeps the regression determined.
 const CONSTANT: f64 = 0.9;
 
 /// One joint's regression. All matrices have a row per averaged row.
@@ -40,6 +40,19 @@ pub(super) struct Design {
     pub log: Vec<usize>,
     /// Rows of 20 ms in an averaged one.
     pub together: usize,
+    /// Whether a function of a law takes the place of the kind of constants, which has none then.
+    pub constant: ConstantOfLaw,
+}
+
+/// Whether a law is a constant beyond the model.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum ConstantOfLaw {
+    /// None of its functions is one.
+    No,
+    /// Some of them are: the preload of a spring, a strut of which the bodies take what is not constant.
+    Part,
+    /// It is nothing else: an offset.
+    Whole,
 }
 
 impl Design {
@@ -123,14 +136,14 @@ pub(super) struct Source<'a> {
 /// Fixed columns, generic functions and torque before any projection.
 #[derive(Debug, Clone)]
 pub(super) struct Raw {
-    y: DVector<f64>,
-    x: DMatrix<f64>,
-    z: DMatrix<f64>,
-    kinds: Vec<(Option<Kind>, Range<usize>)>,
-    runs: Vec<Range<usize>>,
-    time: Vec<usize>,
-    log: Vec<usize>,
-    together: usize,
+    pub(super) y: DVector<f64>,
+    pub(super) x: DMatrix<f64>,
+    pub(super) z: DMatrix<f64>,
+    pub(super) kinds: Vec<(Option<Kind>, Range<usize>)>,
+    pub(super) runs: Vec<Range<usize>>,
+    pub(super) time: Vec<usize>,
+    pub(super) log: Vec<usize>,
+    pub(super) together: usize,
 }
 
 impl Raw {
@@ -190,6 +203,14 @@ impl Raw {
         (self, if all > 0.0 { left / all } else { 0.0 })
     }
 
+    /// The same without the functions of a law.
+    pub(super) fn without_law(mut self) -> Self {
+        self.kinds.retain(|(kind, _)| kind.is_some());
+        let generic = self.kinds.last().map_or(0, |(_, columns)| columns.end);
+        self.z = self.z.columns(0, generic).into_owned();
+        self
+    }
+
     /// Number of rows.
     pub(super) fn len(&self) -> usize {
         self.y.len()
@@ -214,7 +235,12 @@ impl Raw {
             let law = z.column(column);
             offset.column(0).dot(&law).powi(2) > CONSTANT * law.norm_squared()
         };
-        if laws.into_iter().any(is_constant) {
+        let constant = match laws.clone().any(is_constant) {
+            false => ConstantOfLaw::No,
+            true if laws.clone().all(|column| is_level(self.z.column(column).as_slice())) => ConstantOfLaw::Whole,
+            true => ConstantOfLaw::Part,
+        };
+        if constant != ConstantOfLaw::No {
             z.column_mut(self.kinds[0].1.start).fill(0.0);
         }
         for (_, columns) in &self.kinds {
@@ -236,6 +262,7 @@ impl Raw {
             time: self.time.clone(),
             log: self.log.clone(),
             together: self.together,
+            constant,
         }
     }
 

@@ -1,6 +1,6 @@
 //! What a law of the library explains beyond generic functions of all kinds.
 
-use super::design::{Design, Raw, Source};
+use super::design::{ConstantOfLaw, Design, Raw, Source};
 use super::map::coloured_fit;
 use super::mixed::{Fit, fit, fit_from};
 use crate::diagnosis::model::DataSet;
@@ -26,32 +26,42 @@ pub(crate) fn gain_over_generic_functions(
     if kept < resolved {
         return None;
     }
-    let (design, with, rho) = coloured_fit(&raw);
-    let gain = gain(design, &with);
-    tracing::debug!(joint, rho, with = with.log_likelihood, gain, "law over generic functions");
-    Some(gain)
+    Some(gain_in(raw))
 }
 
-/// Gain of the fit `with` the law of `design`, the last of its kinds, over that without it. The likelihood may have several maxima: each
-/// fit starts from the other, too, and the better one counts.
-fn gain(design: Design, with: &Fit) -> f64 {
-    let bare = design.clone().without_law();
+/// The same in a regression with a law.
+fn gain_in(raw: Raw) -> f64 {
+    let (design, with, rho) = coloured_fit(&raw);
+    // What a law explains by its constant, the kind of constants explains as well. An offset is that constant.
+    let bare = match design.constant {
+        ConstantOfLaw::Part => raw.without_law().design(rho),
+        ConstantOfLaw::No | ConstantOfLaw::Whole => design.clone().without_law(),
+    };
+    let gain = gain(&design, &bare, &with);
+    tracing::debug!(constant = ?design.constant, rho, with = with.log_likelihood, gain, "law over generic functions");
+    gain
+}
+
+/// Gain of the fit `with` the law of `design`, the last of its kinds, over that of the `bare` design without it. The likelihood may have
+/// several maxima: each fit starts from the other, too, and the better one counts.
+fn gain(design: &Design, bare: &Design, with: &Fit) -> f64 {
     let kinds = bare.kinds.len();
     let best = |fits: [Fit; 2]| {
         let [one, other] = fits;
         if one.log_likelihood >= other.log_likelihood { one } else { other }
     };
-    let without = best([fit(&bare), fit_from(&bare, with.strengths[..kinds].to_vec(), with.noise)]);
+    let without = best([fit(bare), fit_from(bare, with.strengths[..kinds].to_vec(), with.noise)]);
     let started = [&without.strengths[..], &vec![FAINT * without.noise; design.kinds.len() - kinds]].concat();
-    let again = fit_from(&design, started, without.noise);
+    let again = fit_from(design, started, without.noise);
     (again.log_likelihood.max(with.log_likelihood) - without.log_likelihood).max(0.0)
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::kinds::Kind;
     use super::super::mixed::tests::one_kind_of_two;
     use super::*;
-    use nalgebra::DVector;
+    use nalgebra::{DMatrix, DVector};
 
     /// What the law `effects` of the functions of the first kind gains, hidden with this size in noise of deviation one, where the
     /// functions follow another law of size `other`.
@@ -70,7 +80,7 @@ mod tests {
         design.gram = design.z.tr_mul(&design.z);
         design.right = design.z.tr_mul(&design.y);
         let with = fit(&design);
-        gain(design, &with)
+        gain(&design, &design.clone().without_law(), &with)
     }
 
     #[test]
@@ -85,5 +95,40 @@ mod tests {
             let gains: Vec<f64> = (0..10).map(|seed| gained(0.0, other, seed)).collect();
             assert!(gains.iter().filter(|gain| **gain > 3.0).count() <= 1, "{gains:?}");
         }
+    }
+
+    /// What a law with these functions gains on a joint whose torque is a constant beyond the model, and noise of deviation one.
+    fn gained_of_constant(law: &[fn(f64) -> f64]) -> (ConstantOfLaw, f64) {
+        let noise = one_kind_of_two(0.0, 7);
+        let (rows, offset) = (noise.y.len(), 1);
+        let swing = |row: usize| (0.03 * row as f64).sin();
+        let z = DMatrix::from_fn(rows, offset + law.len(), |row, k| match k.checked_sub(offset) {
+            Some(k) => law[k](swing(row)),
+            None => 1.0,
+        });
+        let raw = Raw {
+            y: noise.y.add_scalar(3.0),
+            x: DMatrix::zeros(rows, 0),
+            z,
+            kinds: vec![(Some(Kind::Offset), 0..offset), (None, offset..offset + law.len())],
+            runs: noise.runs,
+            time: noise.time,
+            log: noise.log,
+            together: noise.together,
+        };
+        (raw.design(0.0).constant, gain_in(raw))
+    }
+
+    #[test]
+    fn a_constant_is_credited_to_an_offset_alone() {
+        let (constant, gain) = gained_of_constant(&[|_| 1.0]);
+        assert!(constant == ConstantOfLaw::Whole && gain > 100.0, "{gain}");
+        // A spring by its preload, and a strut that hardly bends, explain no more than that.
+        for law in [&[|_| 1.0, |q| q][..], &[|q: f64| 1.0 + 0.2 * q]] {
+            let (constant, gain) = gained_of_constant(law);
+            assert!(constant == ConstantOfLaw::Part && gain < 3.0, "{constant:?} {gain}");
+        }
+        let (constant, gain) = gained_of_constant(&[|q| q]);
+        assert!(constant == ConstantOfLaw::No && gain < 3.0, "{constant:?} {gain}");
     }
 }

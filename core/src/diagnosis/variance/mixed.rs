@@ -164,6 +164,7 @@ fn settled(design: &Design, strengths: Vec<f64>, noise: f64) -> Fit {
 
 #[cfg(test)]
 pub(super) mod tests {
+    use super::super::design::ConstantOfLaw;
     use super::super::kinds::Kind;
     use super::*;
     use crate::random::stream;
@@ -192,6 +193,7 @@ pub(super) mod tests {
             time: (0..rows).collect(),
             log: vec![0; rows],
             together: 4,
+            constant: ConstantOfLaw::No,
         }
     }
 

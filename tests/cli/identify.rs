@@ -174,5 +174,5 @@ fn pieces_shorter_than_the_window_are_left_out() {
     let output = case.tauscope(&["identify", "--robot", "lift.urdf", "--train", "log.csv", "--out", "out"]);
     assert_done(&output);
     let said = text(&output.stdout);
-    assert!(said.contains("25 of 51 pieces between gaps of the logs"), "{said}");
+    assert!(said.contains("26 of 51 pieces between gaps of the logs"), "{said}");
 }

@@ -152,3 +152,27 @@ fn torques_that_are_cut_off_are_left_out_and_counted() {
     assert!(own < 1.5 * whole, "{own} {whole}");
     assert!(said.contains(&format!("tau1 (pivot): {cut_off} samples that are cut off at a limit")), "{said}");
 }
+
+/// Bursts of 15 ms that are lost at 1 kHz leave pieces of a tenth of a second, which the smoothing window is longer than.
+#[test]
+fn pieces_shorter_than_the_window_are_left_out() {
+    let case = Case::new(&[]);
+    case.write("lift.urdf", LIFT);
+    let mut log = "t,q1,tau1\n".to_owned();
+    let is_lost = |row: u32| (400..415).contains(&(row % 600)) || (515..530).contains(&(row % 600));
+    for row in (0..15_000).filter(|row| !is_lost(*row)) {
+        let t = 0.001 * f64::from(row);
+        let (mut q, mut v, mut a) = (0.0, 0.0, 0.0);
+        for (size, w) in [(0.5, 1.1), (0.2, 2.9), (0.05, 6.3)] {
+            let (sin, cos) = f64::sin_cos(w * t);
+            (q, v, a) = (q + size * sin, v + size * w * cos, a - size * w * w * sin);
+        }
+        let force = 10.0 * (a + 9.81) + 1.5 * v + 3.0 * v.signum();
+        writeln!(log, "{t:.4},{q:.9},{force:.9}").unwrap();
+    }
+    case.write("log.csv", &log);
+    let output = case.tauscope(&["identify", "--robot", "lift.urdf", "--train", "log.csv", "--out", "out"]);
+    assert_done(&output);
+    let said = text(&output.stdout);
+    assert!(said.contains("26 of 51 pieces between gaps of the logs"), "{said}");
+}

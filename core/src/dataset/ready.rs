@@ -59,7 +59,7 @@ pub fn plain(path: &Path, robot: &Robot, notes: &mut Vec<String>) -> Result<Vec<
 /// doubt, and cuts them into pieces at even steps.
 ///
 /// # Errors
-/// A log that cannot be used, with the reason, and one that is given twice.
+/// A log that cannot be used, with the reason: also one whose positions are in an unknown unit; and one that is given twice.
 pub fn ready([train, test]: [Vec<(PathBuf, Sieved)>; 2], robot: &Robot) -> Result<Logs> {
     let mut logs = Logs::default();
     let trained = train.len();
@@ -69,14 +69,22 @@ pub fn ready([train, test]: [Vec<(PathBuf, Sieved)>; 2], robot: &Robot) -> Resul
     logs.notes.extend(units.lines(robot).into_iter().map(|(_, place, text)| format!("{place}: {text}")));
     logs.units = units;
     let is_another = reports.iter().any(quality::Report::is_of_another_robot);
+    let is_unequal = verdict.as_ref().is_some_and(|verdict| verdict.factors.len() > 1);
     logs.torque_is_scaled = verdict.as_ref().is_some_and(|verdict| verdict.description.scaled().next().is_some());
     logs.correction = verdict.filter(|verdict| verdict.beyond_doubt && !is_another).map(|verdict| verdict.description);
     let mut findings = Vec::new();
     let unsigned = unsigned(&reports, robot.dof());
+    // Some logs in another unit, and some not, are files to convert: a dataset has one unit for all.
+    let in_one_unit = reports.iter().all(|report| position_unit(report).is_some());
     let mut once = Once::default();
     for (place, ((path, mut sieved), report)) in all.into_iter().zip(reports).enumerate() {
         if let Some(finding) = report.fatal() {
             let problem = format!("the log cannot be used: {}", finding.text);
+            return Err(Error::input(path, None, finding.place.as_str(), problem));
+        }
+        if let Some(finding) = position_unit(&report) {
+            let others = if in_one_unit { "" } else { OTHERS_DIFFER };
+            let problem = format!("the log cannot be used: {}{others}", finding.text);
             return Err(Error::input(path, None, finding.place.as_str(), problem));
         }
         let rows = sieved.rejected.iter().take(1).map(|row| {
@@ -122,9 +130,16 @@ pub fn ready([train, test]: [Vec<(PathBuf, Sieved)>; 2], robot: &Robot) -> Resul
     logs.notes.extend(findings.into_iter().map(|(paths, finding)| format!("{}: {finding}", paths.join(", "))));
     if logs.torque_is_scaled {
         let coupled = if robot.dof() > 1 { ", or motors drive several joints (coupling)" } else { "" };
+        let units = match is_unequal {
+            true => {
+                "Each joint has a unit of its own: residuals and friction are in these, and no bodies fit all of them, so that the inertias are \
+                 none"
+            }
+            false => "Residuals, friction and inertias are in the unit of the log",
+        };
         logs.notes.push(format!(
-            "the torques are not as large as those of the joints: they may be in another unit, or those of motors behind gears{coupled}. Residuals, \
-             friction and inertias are in the unit of the log: give [units] torque or [motors] in a dataset"
+            "the torques are not as large as those of the joints: they may be in another unit, or those of motors behind gears{coupled}. {units}: \
+             give [units] torque or [motors] in a dataset"
         ));
     }
     if !unsigned.is_empty() {
@@ -138,6 +153,15 @@ pub fn ready([train, test]: [Vec<(PathBuf, Sieved)>; 2], robot: &Robot) -> Resul
         logs.notes.push(format!("the logs are taken as corrected.toml describes them{gravity}"));
     }
     Ok(logs)
+}
+
+/// What to do about one log whose positions are in another unit than those of the others.
+const OTHERS_DIFFER: &str =
+    ". Other logs show no such unit, and [units] of a dataset hold for all logs: convert this file";
+
+/// Positions whose unit is not that of the description and could not be resolved: no parameter of the arm can be right with them.
+fn position_unit(report: &quality::Report) -> Option<&quality::Finding> {
+    report.findings.iter().find(|finding| finding.kind == quality::Kind::PositionUnit)
 }
 
 /// Joints whose torque lost its sign in half of the logs or more: one recorder made them all, so that what a single one seems to show is

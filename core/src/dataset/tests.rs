@@ -286,6 +286,44 @@ fn columns_of_a_file_without_names_are_numbered() {
     }
 }
 
+/// Positions whose unit nothing settles make no identification, as they make no diagnosis.
+#[test]
+fn positions_in_an_unknown_unit_are_refused() {
+    let rows: String = (0..4000)
+        .map(|i| {
+            let t = 0.005 * f64::from(i);
+            let counts = |rate: f64| (2048.0 + 900.0 * (rate * t).sin()).round();
+            format!("{t},{},{},{:.6},{:.6}\n", counts(1.7), counts(2.3), (1.7 * t).cos(), (2.3 * t).cos())
+        })
+        .collect();
+    let case = Case::new("[[train]]\nfile = \"log.csv\"\n", &format!("t,q1,q2,tau1,tau2\n{rows}"));
+    let refused = super::ready(case.dataset().unwrap().sieved(&case.robot()).unwrap(), &case.robot()).unwrap_err();
+    let refused = refused.to_string();
+    assert!(refused.contains("the log cannot be used: positions up to") && refused.contains("gear_ratio"), "{refused}");
+}
+
+/// One of two logs is in degrees: no unit of a dataset is right for both.
+#[test]
+fn logs_in_two_units_of_position_are_refused_by_the_file_to_convert() {
+    let rows = |unit: f64, seed: f64| -> String {
+        let row = |i: u32| {
+            let t = 0.005 * f64::from(i);
+            let q = |rate: f64| unit * 1.5 * (rate * t + seed).sin();
+            format!("{t},{},{},{:.6},{:.6}\n", q(1.7), q(2.3), (1.7 * t).cos(), (2.3 * t).cos())
+        };
+        (0..4000).map(row).collect()
+    };
+    let header = "t,q1,q2,tau1,tau2\n";
+    let case = Case::new(
+        "[[train]]\nfile = \"log.csv\"\n[[test]]\nfile = \"other.csv\"\n",
+        &format!("{header}{}", rows(1.0, 0.0)),
+    );
+    std::fs::write(case.folder.path().join("other.csv"), format!("{header}{}", rows(180.0 / PI, 1.0))).unwrap();
+    let refused = super::ready(case.dataset().unwrap().sieved(&case.robot()).unwrap(), &case.robot()).unwrap_err();
+    let refused = refused.to_string();
+    assert!(refused.contains("other.csv") && refused.contains("convert this file"), "{refused}");
+}
+
 /// A torque without its sign determines nothing; where no other is left the log is refused.
 #[test]
 fn a_torque_without_its_sign_is_left_out() {

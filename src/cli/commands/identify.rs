@@ -101,7 +101,7 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     arguments.effect.iter().try_for_each(|effect| Wanted::from(effect).check(arm.robot()))?;
     let mut stages = progress::Stages::new(global, &[reading, FIT + of_effects, FIT, SIMULATING]);
     stages.begin("reading the logs");
-    let (Logs { train, test, mut notes, correction, torque_is_scaled, units }, as_read) =
+    let (Logs { mut train, mut test, mut notes, correction, torque_is_scaled, units }, as_read) =
         logs(arguments, setup.as_ref(), dataset.as_ref(), &mut arm, global)?;
     let mut robot = arm.into_robot();
     let as_diagnosed = match arguments.as_diagnose {
@@ -117,6 +117,7 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     }
     let preparation = preparation(arguments, setup.as_ref(), &train[0])?;
     notes.extend(report::longer_window(&preparation.smoothing, &train[0]).filter(|_| arguments.window.is_none()));
+    notes.extend(without_short_pieces([&mut train, &mut test], &preparation.smoothing)?);
     let folder = ResultFolder::create(global.folder(&format!("identify_{}", robot.name)))?;
     let named = arguments.logs.named(arguments.arm.robot.clone());
     corrected::write(&folder, dataset.as_ref(), &named, &robot, correction.as_ref(), None, units)?;
@@ -281,6 +282,35 @@ pub(super) fn replayed(identified: &Robot, logs: fit::Logs, preparation: Prepara
             None
         }
     }
+}
+
+/// Leaves out the pieces between gaps that are shorter than the smoothing window, with a note.
+fn without_short_pieces(logs: [&mut Vec<Recording>; 2], smoothing: &Smoothing) -> Result<Option<String>> {
+    let Smoothing::SavitzkyGolay { window, .. } = smoothing else { return Ok(None) };
+    let [train, test] = logs;
+    let seconds = |logs: &[Recording]| logs.iter().map(Recording::duration).sum::<f64>();
+    let (pieces, before) = (train.len() + test.len(), seconds(train) + seconds(test));
+    // A log of one piece has no gaps: that it is too short is said where it is smoothed.
+    if pieces < 3 || train.iter().chain(&*test).all(|piece| piece.samples() >= *window) {
+        return Ok(None);
+    }
+    let had_test = !test.is_empty();
+    train.retain(|piece| piece.samples() >= *window);
+    test.retain(|piece| piece.samples() >= *window);
+    if train.is_empty() || (had_test && test.is_empty()) {
+        let which = if train.is_empty() { "training" } else { "held-out" };
+        let problem = format!(
+            "no piece of the {which} logs between two gaps has as many samples as the smoothing window ({window}): log without gaps, or give a \
+             shorter window"
+        );
+        return Err(Error::request("--window", problem));
+    }
+    let (left, after) = (pieces - train.len() - test.len(), seconds(train) + seconds(test));
+    Ok(Some(format!(
+        "{left} of {pieces} pieces between gaps of the logs, {:.1} of {before:.1} s together, are shorter than the smoothing window ({window} samples) and \
+         are left out (--window sets it)",
+        before - after
+    )))
 }
 
 fn preparation(arguments: &Arguments, setup: Option<&Setup>, log: &Recording) -> Result<Preparation> {

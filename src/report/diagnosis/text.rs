@@ -9,6 +9,7 @@ use crate::diagnosis::{
 use crate::effects;
 use crate::error::Error;
 use crate::internal::diagnosis::{NOT_SIZED, effort, finding, findings, joints, shown, with_unit};
+use crate::quality::Kind;
 use crate::report::console::{by_joint, measured, significant, table};
 use crate::report::payload;
 use crate::robot::{Robot, Unit};
@@ -140,9 +141,14 @@ fn headline(diagnosis: &Diagnosis, faults: &[DataFault]) -> String {
         Verdict::None => "nothing beyond the noise: the re-identified model explains the logs",
         Verdict::NotTestable => "the logs cannot be diagnosed",
     };
-    let doubts = faults.iter().any(|fault| fault.consequence == Consequence::Doubts);
-    let doubt =
-        if doubts { "the logs may not be those of this robot (see the doubt below); if they are, " } else { "" };
+    let mut doubts = faults.iter().filter(|fault| fault.consequence == Consequence::Doubts).peekable();
+    let doubt = match (doubts.peek().is_some(), doubts.all(|fault| fault.kind == Kind::ClockFactor)) {
+        (false, _) => "",
+        (true, true) => {
+            "the clock of the logs may be wrong, or the size of the robot (see the doubt below); if both are right, "
+        }
+        (true, false) => "the logs may not be those of this robot (see the doubt below); if they are, ",
+    };
     format!("Verdict: {doubt}{answer} (family-wise error rate: {}).", percent_of(diagnosis.scope.alpha))
 }
 

@@ -39,7 +39,7 @@ pub enum Consequence {
     Stops,
     /// The samples at fault are left out or bridged.
     LeftOut,
-    /// What is named holds only if the logs are of this robot, which is not sure.
+    /// What is named holds only if the logs are of this robot, and by a right clock, which is not sure.
     Doubts,
     /// A note; it does not change what the diagnosis uses.
     #[serde(rename = "told")]
@@ -256,6 +256,8 @@ fn consequence(kind: Kind, severity: Severity) -> Option<Consequence> {
         // Rows that show by themselves which source they are of are left out.
         Kind::TwoSources if severity == Severity::Warning => Some(Consequence::LeftOut),
         Kind::OtherRobot if severity > Severity::Note => Some(Consequence::Doubts),
+        // A clock that could not be corrected, or an arm of another size.
+        Kind::ClockFactor if severity > Severity::Note => Some(Consequence::Doubts),
         Kind::Swapped
         | Kind::NothingExplains
         | Kind::PositionUnit
@@ -333,6 +335,7 @@ mod tests {
     fn another_robot_stops_or_puts_in_doubt() {
         assert_eq!(consequence(Kind::NothingExplains, Severity::Warning), Some(Consequence::Stops));
         assert_eq!(consequence(Kind::OtherRobot, Severity::Warning), Some(Consequence::Doubts));
+        assert_eq!(consequence(Kind::ClockFactor, Severity::Warning), Some(Consequence::Doubts));
         // Masses that are wrong are likelier then.
         assert_eq!(consequence(Kind::OtherRobot, Severity::Note), Some(Consequence::Noted));
     }

@@ -161,7 +161,7 @@ impl<'a> Read<'a> {
                 let finding = |text: String| Finding::new(Kind::ClockFactor, Severity::Warning, "t", text);
                 let fall = clock.map_or_else(String::new, |clock| format!("; {}", clock.fall()));
                 findings.extend(units.time_factor.map(|factor| finding(text(factor) + &fall)));
-                let unsure = clock.filter(|_| !is_sure).map(|clock| descriptions::unsure_clock_text(clock.factor));
+                let unsure = clock.filter(|_| !is_sure).map(descriptions::unsure_clock_text);
                 findings.extend(unsure.map(|text| finding(text + &fall)));
                 if sieved.may_count && shown.is_none() {
                     let moving = motion::summaries(&whole, robot);

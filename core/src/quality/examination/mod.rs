@@ -123,7 +123,9 @@ pub fn examine_together(logs: &[&Sieved], robot: Option<&Robot>) -> Result<Toget
         let description = verdict.as_ref().map(|verdict| &verdict.description);
         // Logs of one recorder of which some are in another unit by themselves are not compared with bodies together.
         let in_one_unit = reports.windows(2).all(|pair| pair[0].units.positions == pair[1].units.positions);
-        let is_asked = !has_scale && in_one_unit;
+        // Nor are shares of rated torques, each joint's in a unit of its own that nothing gives.
+        let of_rated = logs.iter().any(|log| log.of_rated);
+        let is_asked = !has_scale && in_one_unit && !of_rated;
         let finding = is_asked.then(|| descriptions::of_another_robot(&all, robot, description)).flatten();
         // What spoils motion or torque is a cause by itself.
         let spoils = |finding: &Finding| finding.severity > Severity::Note && SPOIL.contains(&finding.kind);

@@ -4,6 +4,7 @@ use super::joint_fit::JointFit;
 use crate::quality::finding::{Finding, Kind, Severity};
 use crate::quality::velocity::vertex;
 use crate::quality::view::View;
+use std::ops::RangeInclusive;
 
 /// Shortest dead time that is reported, s.
 const SHORTEST_S: f64 = 0.0015;
@@ -82,14 +83,20 @@ impl Search {
             Search::Far { steps, step } => {
                 let step = step as isize;
                 let coarse = valley(steps as isize, step, left)?;
-                let about = coarse.samples.round() as isize;
-                let fine: Vec<f64> = (about - step..=about + step).map(left).collect();
+                let about = around(coarse.samples.round() as isize, step, self.reach() as isize);
+                let first = *about.start();
+                let fine: Vec<f64> = about.map(left).collect();
                 let best = (0..fine.len()).min_by(|&a, &b| fine[a].total_cmp(&fine[b]))?;
-                let samples = (about - step) as f64 + best as f64 + vertex(&fine, best);
+                let samples = first as f64 + best as f64 + vertex(&fine, best);
                 Some(Lag { samples, cost: left(0) / fine[best].max(f64::MIN_POSITIVE) })
             }
         }
     }
+}
+
+/// The lags within a step of one, and within what the rows have on both sides: the lowest may lie between the last two steps.
+fn around(lag: isize, step: isize, reach: isize) -> RangeInclusive<isize> {
+    (lag - step).max(-reach)..=(lag + step).min(reach)
 }
 
 /// The lowest of residuals, so many steps to either side, where they depend on the lag and the lowest explains most of the torque.
@@ -191,6 +198,13 @@ mod tests {
     fn a_lag_is_shown_where_it_takes_something_off_the_residual() {
         let shown = |cost: f64| Lag { samples: 5.0, cost }.shown_s(0.002);
         assert!(shown(1.26).is_some_and(|lag| (lag - 0.01).abs() < 1e-12) && shown(1.24).is_none());
+    }
+
+    #[test]
+    fn no_lag_is_beyond_the_rows() {
+        assert_eq!(around(35, 10, 40), 25..=40);
+        assert_eq!(around(-35, 10, 40), -40..=-25);
+        assert_eq!(around(0, 10, 40), -10..=10);
     }
 
     #[test]

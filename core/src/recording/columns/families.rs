@@ -4,7 +4,7 @@ use super::bare;
 use super::names::{self, Joint, Meaning};
 use super::prefixes::most_behind_prefix;
 use super::spelling;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// A column that is the signal of a joint, as one reading of its name has it.
 #[derive(Debug)]
@@ -89,14 +89,35 @@ fn are_alike(one: &str, other: &str) -> bool {
 }
 
 /// Whether the joints of a quantity are counted from 0 or from 1; None where none is numbered. A quantity without number
-/// 0 is counted as positions are, unless it has as many joints from 1 on.
-pub(super) fn base(family: &[Candidate], of_positions: Option<usize>, positions: usize) -> Option<usize> {
+/// 0 is counted as positions are, unless it has as many joints from 1 on. Of a robot with so many `joints`, if that is known, as many numbers
+/// beyond these are counted from the lowest: motors on a bus, or a second arm.
+pub(super) fn base(
+    family: &[Candidate],
+    of_positions: Option<usize>,
+    positions: usize,
+    joints: Option<usize>,
+) -> Option<usize> {
     let numbers = family.iter().filter_map(|candidate| match candidate.joint {
         Place::Number(number) => Some(number),
         Place::Index(_) => None,
     });
     let (lowest, highest) = (numbers.clone().min()?, numbers.max()?);
+    if from_another(family, joints) == Some(lowest) {
+        return Some(lowest);
+    }
     Some(if lowest == 0 || (of_positions == Some(0) && highest < positions) { 0 } else { 1 })
+}
+
+/// The lowest number, where the numbers of a family are as many as the robot has joints, without a hole, and none of them can be that of a joint.
+pub(super) fn from_another(family: &[Candidate], joints: Option<usize>) -> Option<usize> {
+    let number = |candidate: &Candidate| match candidate.joint {
+        Place::Number(number) => Some(number),
+        Place::Index(_) => None,
+    };
+    let numbers: BTreeSet<usize> = family.iter().map(number).collect::<Option<_>>()?;
+    let (&lowest, &highest) = (numbers.first()?, numbers.last()?);
+    let count = joints?;
+    (lowest > count && numbers.len() == count && highest - lowest + 1 == count).then_some(lowest)
 }
 
 /// Whether any joint has a position.

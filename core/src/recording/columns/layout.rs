@@ -32,6 +32,8 @@ pub(crate) struct Layout {
     pub(super) units: BTreeMap<usize, Unit>,
     /// Torques are motor currents.
     pub currents: bool,
+    /// Torques are shares of a rated torque.
+    pub of_rated: bool,
     /// The first column of torque, where a controller wanted or computed the torques.
     pub of_controller: Option<String>,
     /// Torques are called for the motors of the robot's file.

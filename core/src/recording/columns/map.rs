@@ -98,11 +98,16 @@ impl ColumnMap {
         }
         let mut renamed = header.clone();
         for (name, original) in &renamed_over(self, &header) {
-            renamed[*name] = format!("({original})");
+            let in_brackets = format!("({original})");
+            let is_read = !read_as(&in_brackets).is_empty();
+            renamed[*name] = if is_read { format!("(column {})", name + 1) } else { in_brackets };
         }
         for (target, wanted) in wanted {
             let column = match wanted {
-                Column::Name(name) => header.iter().position(|own| own == name),
+                Column::Name(name) => {
+                    let is_called = |own: &String| names::unit_of(own).is_some() && names::without_unit_of(own) == name;
+                    header.iter().position(|own| own == name).or_else(|| header.iter().position(is_called))
+                }
                 Column::Number(number) => number.checked_sub(1).filter(|column| *column < header.len()),
             };
             let Some(column) = column else {
@@ -124,8 +129,15 @@ impl ColumnMap {
     }
 }
 
-/// Columns that carry a usual name of a quantity that the map takes from elsewhere, with that name.
+/// The quantities that a name can mean.
+fn read_as(name: &str) -> Vec<usize> {
+    let readings = names::meanings(name).into_iter().chain(names::scattered(name));
+    readings.filter(|meaning| !meaning.exact_only).map(|meaning| meaning.quantity).collect()
+}
+
+/// Columns that can be read as a quantity that the map takes from elsewhere, with their names.
 fn renamed_over<'a>(map: &ColumnMap, header: &'a [String]) -> Vec<(usize, &'a str)> {
+    let given = [&map.q, &map.qd, &map.qdd, &map.tau].map(Option::is_some);
     let taken = |name: &str| {
         let is = |prefixes: &[&str]| {
             prefixes.iter().any(|prefix| {
@@ -138,6 +150,7 @@ fn renamed_over<'a>(map: &ColumnMap, header: &'a [String]) -> Vec<(usize, &'a st
             || (map.qd.is_some() && (is(&["qd", "dq"]) || ends(&["_velocity"])))
             || (map.qdd.is_some() && (is(&["qdd", "ddq"]) || ends(&["_acceleration"])))
             || (map.tau.is_some() && (is(&["tau"]) || ends(&["_effort", "_torque"])))
+            || read_as(name).into_iter().any(|quantity| given[quantity])
     };
     header.iter().enumerate().filter(|(_, name)| taken(name)).map(|(column, name)| (column, name.as_str())).collect()
 }

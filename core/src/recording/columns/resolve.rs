@@ -128,6 +128,9 @@ impl Resolver<'_> {
                     Some(external) => format!(
                         "; {external} and its like are torques of contact, without those that move the arm: log the measured torques too"
                     ),
+                    None if name == names::QUANTITIES[names::TORQUE].name => {
+                        format!("{CURE_OF_SIGNALS}{CURE_OF_TORQUES}")
+                    }
                     None => CURE_OF_SIGNALS.to_owned(),
                 },
             },
@@ -162,6 +165,7 @@ impl Resolver<'_> {
             ""
         };
         let cure = if unnamed { "" } else { cure };
+        let cure = &format!("{cure}{}", if is_garbled(self.header) { CURE_OF_ENCODING } else { "" });
         Error::input(self.path, self.line, column, format!("missing column: {reason}; found: {found}{hint}{cure}"))
     }
 }
@@ -195,6 +199,17 @@ pub(super) fn listed(names: &[String]) -> String {
     let text = out.join(", ");
     if more > 0 { format!("{text} and {more} more") } else { text }
 }
+
+/// Whether names hold control characters, which no text in UTF-8 or Latin-1 has: the file is in another encoding.
+fn is_garbled(header: &[String]) -> bool {
+    header.iter().flat_map(|name| name.chars()).any(|letter| ('\u{80}'..='\u{9f}').contains(&letter))
+}
+
+/// What helps where the names are in another encoding.
+const CURE_OF_ENCODING: &str = "; the names are in an encoding that is not read, as Shift-JIS or GBK: save the file as UTF-8 (iconv -f SHIFT_JIS -t UTF-8)";
+
+/// What helps where torques were not logged.
+const CURE_OF_TORQUES: &str = "; if they were not logged, log the measured torques or motor currents with the positions: without them nothing of the dynamics is known";
 
 /// What helps where no column of time is there.
 const CURE_OF_TIME: &str = "; without one, give the sampling rate in a dataset: rate_hz = 100 in [columns]";

@@ -5,7 +5,7 @@ use super::super::compare::{EXPLAINED, EXPLAINED_ALONE};
 use super::super::fitting::{Evaluation, Fit, Physics, Rows};
 use super::super::shares::{FEWEST, MORE_THAN_ALL, WRONG_MASSES};
 use super::super::tried::Tried;
-use super::compensation;
+use super::{compensation, lengths};
 use crate::quality::finding::{Finding, Kind, Severity};
 use crate::quality::view::View;
 use crate::robot::Robot;
@@ -45,7 +45,10 @@ pub(crate) fn finding(views: &[&View], robot: &Robot, description: Option<&Descr
     let free = under(&physics)?;
     let percent = |share: f64| format!("{:.0} %", 100.0 * share);
     let changed = if description.changes.is_empty() { "" } else { ", with what is named besides" };
-    let (kind, severity, text) = if nothing_explains(&residuals) {
+    let of_lengths = lengths::other(robot, &rows, description, &free, views.iter().any(|view| view.log.qd.is_some()));
+    let (kind, severity, text) = if let Some(lengths) = of_lengths {
+        (Kind::OtherRobot, Severity::Warning, lengths.text(robot, free.share(), changed))
+    } else if nothing_explains(&residuals) {
         let text = format!(
             "no bodies on these joints explain the torques{changed}: more than half of the torque of most joints stays unexplained. The log may be that of \
              another robot or of other joints, or its torques are not these joints', as where motors drive several of them ([motors] coupling)"

@@ -3,9 +3,11 @@
 //! | question | module |
 //! |---|---|
 //! | whether the log is of another robot | `disagreement` |
+//! | whether the lengths of the arm are not those of the file | `lengths` |
 //! | whether a controller takes off the gravity of the described bodies | `compensation` |
 
 pub(super) mod compensation;
 mod disagreement;
+mod lengths;
 
 pub(crate) use disagreement::finding;

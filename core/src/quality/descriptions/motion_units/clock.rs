@@ -42,6 +42,11 @@ const MOST_SAMPLES: usize = 20_000;
 /// under a clock with this factor, the square root of a third. Larger factors are none of gravity.
 const OF_GRAVITY: f64 = 0.577;
 
+/// An arm whose lengths are all this many times those of its file, or its inverse, may be a sister model: those of one family have reaches
+/// between 0.5 and 1.3 m. Inertia grows by the square of length and gravity by length, so that it moves as the described arm does by another
+/// clock: no torque separates the two.
+const SIZES: f64 = 3.0;
+
 /// Motion this many times slower has no torque of inertia to speak of.
 const SLOW: f64 = 1e-3;
 
@@ -55,6 +60,8 @@ pub(crate) struct ClockFactor {
     pub factor: f64,
     /// Whether nothing else explains the torques as well.
     pub is_sure: bool,
+    /// Whether free bodies show it too, so that the arm may be of another size.
+    pub may_be_size: bool,
     /// Share of the torques that stays unexplained, held out, in the time of the clock and in that by the factor.
     pub unexplained: [f64; 2],
 }
@@ -107,7 +114,14 @@ pub(crate) fn clock_factor(logs: &[&Recording], robot: &Robot) -> Result<Option<
     let views: Vec<View> = logs.iter().map(|log| View::new(log, Some(robot))).collect::<Result<_>>()?;
     let other = judge(&views.iter().collect::<Vec<_>>(), Some(robot));
     let explains = other.verdict.is_some_and(|verdict| verdict.after < DISTINCT * share);
+    let may_be_size = found.is_sure && size(found.factor).ln().abs() < SIZES.ln();
+    let found = ClockFactor { is_sure: found.is_sure && !may_be_size, may_be_size, ..found };
     Ok((!explains).then_some(found))
+}
+
+/// How many times as long as described an arm is that moves by a right clock as the described one does by a clock with this factor.
+fn size(factor: f64) -> f64 {
+    factor.powi(-2)
 }
 
 /// Whether the torques deny a factor that velocities show: bodies explain them clearly better in the time of the clock than in a time that
@@ -151,7 +165,7 @@ fn by_described_bodies(masses: &Timing, factor: f64, free: &Timing) -> Result<Op
     let denies = || free.loss(&rows, &of_free, factor).is_none_or(|loss| loss.is_distinct());
     let is_possible = is_sure || !denies();
     let unexplained = [masses.share(1.0)?, own.share()];
-    Ok(is_possible.then(|| (ClockFactor { factor, is_sure, unexplained }, of_free.share())))
+    Ok(is_possible.then(|| (ClockFactor { factor, is_sure, may_be_size: false, unexplained }, of_free.share())))
 }
 
 /// A factor that free bodies show, with the share of the torques that they leave then.
@@ -163,7 +177,9 @@ fn by_free_bodies(free: &Timing) -> Result<Option<(ClockFactor, f64)>> {
     let Some(rows) = free.times.rows(factor)? else { return Ok(None) };
     let Some(with) = free.tried(&rows) else { return Ok(None) };
     let unexplained = [free.share(1.0)?, with.share()];
-    Ok(free.is_shown(&rows, &with, factor).then(|| (ClockFactor { factor, is_sure: true, unexplained }, with.share())))
+    Ok(free
+        .is_shown(&rows, &with, factor)
+        .then(|| (ClockFactor { factor, is_sure: true, may_be_size: false, unexplained }, with.share())))
 }
 
 /// Logs in other times.
@@ -307,8 +323,17 @@ pub(crate) fn clock_text(factor: f64) -> String {
 }
 
 /// What is said of one that is not.
-pub(crate) fn unsure_clock_text(factor: f64) -> String {
+pub(crate) fn unsure_clock_text(clock: ClockFactor) -> String {
+    let ClockFactor { factor, may_be_size, .. } = clock;
     let digits = crate::quality::velocity::digits(factor);
+    if may_be_size {
+        let size = size(factor);
+        return format!(
+            "inertia and gravity in the torques belong together only if true time is about {digits} times that of the clock, or if the arm is about \
+             {size:.2} times as long as its file describes it, as a sister model is: no torque separates the two. Check the model and its lengths; \
+             if they are right, set [units] time_factor = {digits} in a dataset. Log true time stamps or velocities, which show the clock"
+        );
+    }
     format!(
         "the robot's bodies, whatever they weigh, explain the torques only if true time is about {digits} times that of the clock; other bodies on \
          these joints explain them by the clock as well. Either the clock is wrong by this factor ([units] time_factor = {digits} in a dataset), or \

@@ -19,6 +19,32 @@ fn factor(robot: &Robot, log: &Sieved) -> Option<f64> {
     examine_together(&[log], Some(robot)).unwrap().reports[0].units.time_factor
 }
 
+/// What is said of the clock.
+fn said(robot: &Robot, log: &Sieved) -> Vec<String> {
+    let report = examine_together(&[log], Some(robot)).unwrap().reports.remove(0);
+    report.findings.into_iter().filter(|f| f.kind == Kind::ClockFactor).map(|f| f.text).collect()
+}
+
+/// An arm of another size moves by a right clock as the described one does by a wrong one: both are named, and neither is applied.
+#[test]
+fn an_arm_of_another_size_is_not_taken_for_a_clock() {
+    let robot = irb();
+    let mut longer = robot.clone();
+    for joint in &mut longer.joints {
+        joint.origin.translation *= 1.4;
+        // Mass, first moment, second moment.
+        joint.inertia.0[1..4].iter_mut().for_each(|value| *value *= 1.4);
+        joint.inertia.0[4..].iter_mut().for_each(|value| *value *= 1.4 * 1.4);
+    }
+    let log = timed(&longer, Oddity::None, 1.0, 8);
+    assert_eq!(factor(&robot, &log), None);
+    let said = said(&robot, &log);
+    assert!(
+        said.len() == 1 && said[0].contains("or if the arm is about 1.") && said[0].contains("times as long"),
+        "{said:?}"
+    );
+}
+
 #[test]
 fn a_clock_shows_though_masses_are_wrong_and_a_right_one_is_not_accused() {
     let mut wrong = Vec::new();
@@ -29,6 +55,8 @@ fn a_clock_shows_though_masses_are_wrong_and_a_right_one_is_not_accused() {
                 let found = factor(&robot, &timed(&robot, oddity, clock, seed));
                 let right = match found {
                     Some(found) => (found * clock - 1.0).abs() < 0.1 && clock != 1.0,
+                    // An arm of another size would show so much too.
+                    None if clock == 1.5 => said(&robot, &timed(&robot, oddity, clock, seed)).len() == 1,
                     None => clock == 1.0 || clock == 1.1,
                 };
                 if !right {
@@ -74,12 +102,12 @@ fn logs_of_one_recorder_have_one_clock() {
         let together = examine_together(&logs.iter().collect::<Vec<_>>(), Some(&robot)).unwrap();
         together.reports.iter().map(|report| report.units.time_factor).collect::<Vec<_>>()
     };
-    let wrong = factors([0.625; 3]);
-    assert!(wrong.iter().all(|factor| factor.is_some_and(|factor| (factor / 1.6 - 1.0).abs() < 0.05)), "{wrong:?}");
+    let wrong = factors([0.5; 3]);
+    assert!(wrong.iter().all(|factor| factor.is_some_and(|factor| (factor / 2.0 - 1.0).abs() < 0.05)), "{wrong:?}");
     assert!(wrong.iter().all(|factor| factor == &wrong[0]), "{wrong:?}");
     assert_eq!(factors([1.0; 3]), [None; 3]);
-    let one = factors([1.0, 1.0, 0.625]);
-    assert!(one[..2] == [None; 2] && one[2].is_some_and(|factor| (factor / 1.6 - 1.0).abs() < 0.05), "{one:?}");
+    let one = factors([1.0, 1.0, 0.5]);
+    assert!(one[..2] == [None; 2] && one[2].is_some_and(|factor| (factor / 2.0 - 1.0).abs() < 0.05), "{one:?}");
 }
 
 /// A log of 9 s without velocities.

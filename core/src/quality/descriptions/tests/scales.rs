@@ -37,6 +37,17 @@ fn a_unit_is_one_factor_of_all_joints_though_masses_are_wrong() {
     assert!(said.len() == 1 && said[0].text.contains("N mm"), "{said:?}");
 }
 
+/// Shares of rated torques, by their names, are compared with no body: whose arm they are of is not known by their sizes.
+#[test]
+fn shares_of_rated_torques_are_not_those_of_another_robot() {
+    let is_another = |of_rated: bool| {
+        let factors = [1e-4, 5e-5, 3e-4, 2e-2, 1e-2, 3e-2];
+        let log = Sieved { of_rated, ..scaled(&irb(), factors) };
+        examine_together(&[&log], Some(&irb())).unwrap().reports[0].is_of_another_robot()
+    };
+    assert_eq!([false, true].map(is_another), [true, false]);
+}
+
 /// Joints whose torque has a factor of its own, as found, with the factors.
 fn of_single(verdict: &Verdict) -> Vec<(usize, f64)> {
     let own = |change: &Change| match change {

@@ -21,4 +21,4 @@ pub(crate) use scattered::scattered;
 pub(crate) use time::{INDEX, OWN_TIME, Part, Time, are_seconds_and_rest, time};
 pub(crate) use unit::{Unit, is_unit};
 pub(crate) use vocabulary::{is_external_torque, is_measured_at_joint};
-pub(crate) use words::unit_of;
+pub(crate) use words::{unit_of, without_unit_of};

@@ -49,6 +49,11 @@ pub(super) fn without_unit(name: &str) -> (&str, Option<&str>) {
     (name, None)
 }
 
+/// A name without the unit in brackets at its end.
+pub(crate) fn without_unit_of(name: &str) -> &str {
+    without_unit(name).0
+}
+
 /// The unit in brackets at the end of a name.
 pub(crate) fn unit_of(name: &str) -> Option<&str> {
     without_unit(name).1

@@ -89,6 +89,7 @@ impl Layout {
                 }
             }
         }
+        let of_robot = joints.map(<[String]>::len);
         let mut used = BTreeSet::new();
         let mut found: [[Found; 4]; 2] = Default::default();
         let mut bases = [None; 4];
@@ -132,8 +133,17 @@ impl Layout {
             currents |= family.iter().any(|candidate| candidate.meaning.current);
             of_controller |= family.iter().any(|candidate| candidate.meaning.of_controller);
             let positions = found[0][names::POSITION].len();
-            let base =
-                base(&family, if quantity == names::POSITION { None } else { bases[names::POSITION] }, positions);
+            let base = base(
+                &family,
+                if quantity == names::POSITION { None } else { bases[names::POSITION] },
+                positions,
+                of_robot,
+            );
+            if quantity == names::POSITION
+                && let (Some(lowest), Some(first)) = (families::from_another(&family, of_robot), names.first())
+            {
+                understood.push(format!("joints are numbered from {lowest}: that is {first}, and the others follow in the order of the robot"));
+            }
             if !truth {
                 bases[quantity] = base;
             }
@@ -232,7 +242,9 @@ impl Layout {
         notes.extend(spare_currents::note(header, &names, &tau, &own, base));
         notes.extend(unknown_units::notes(header, &names, of_quantities, &units));
         let first_torque = tau.iter().find(|column| **column != ABSENT).map_or("", |column| header[*column].as_str());
-        understood.extend(unknown_units::percent(header, &names, &tau).filter(|_| !demand.constants));
+        let of_rated = unknown_units::percent(header, &names, &tau).filter(|_| !demand.constants);
+        let is_of_rated = of_rated.is_some();
+        understood.extend(of_rated);
         if currents {
             let makes = match demand.constants {
                 true => "the torque constants of the dataset make torques of them",
@@ -257,6 +269,7 @@ impl Layout {
             truth: truth_columns,
             units,
             currents,
+            of_rated: is_of_rated,
             of_controller: of_controller.then(|| first_torque.to_owned()),
             of_motors: of_motors_alone,
             notes,

@@ -100,6 +100,36 @@ fn an_arm_of_two_is_to_be_chosen() {
 }
 
 #[test]
+fn as_many_numbers_beyond_the_joints_are_counted_from_the_lowest() {
+    let layout = find("t,q_11,q_12,tau_11,tau_12", Some(&["a", "b"])).unwrap();
+    assert_eq!((layout.q, layout.tau), (vec![1, 2], vec![3, 4]));
+    assert_eq!(
+        layout.understood,
+        ["joints are numbered from 11: that is a, and the others follow in the order of the robot"]
+    );
+    // The numbers of each quantity may be others, as those of drives.
+    assert_eq!(find("t,q_3,q_4,tau_1,tau_2", Some(&["a", "b"])).unwrap().q, [1, 2]);
+    // One of them may be a joint's; there are more or fewer; there is a hole; the robot is not known.
+    for (header, joints) in [
+        ("t,q_2,q_3,tau_2,tau_3", Some(&["a", "b"][..])),
+        ("t,q_11,q_12,q_13,tau_11,tau_12,tau_13", Some(&["a", "b"])),
+        ("t,q_11,tau_11", Some(&["a", "b"])),
+        ("t,q_11,q_13,tau_11,tau_13", Some(&["a", "b"])),
+        ("t,q_11,q_12,tau_11,tau_12", None),
+    ] {
+        assert!(problem(header, joints).contains("log.csv:1: q"), "{header}");
+    }
+}
+
+#[test]
+fn names_in_another_encoding_and_torques_that_were_not_logged_are_told() {
+    let said = problem("\u{8e}\u{9e}\u{8a}\u{d4},\u{8a}\u{d6}", Some(&["a"]));
+    assert!(said.contains("save the file as UTF-8"), "{said}");
+    let said = problem("t,q1,q2", Some(&["a", "b"]));
+    assert!(said.contains("log the measured torques or motor currents") && !said.contains("UTF-8"), "{said}");
+}
+
+#[test]
 fn other_columns_are_noted() {
     let layout = find("t,q1,tau1,current,q_reference,,status", None).unwrap();
     assert_eq!(layout.notes, ["columns not used: current, q_reference, (column 6), status"]);

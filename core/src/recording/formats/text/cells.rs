@@ -44,11 +44,41 @@ pub(super) fn number(cell: &[u8], decimal_comma: bool) -> Option<f64> {
         // Fortran's double precision.
         return format!("{mantissa}E{exponent}").parse().ok();
     }
-    if plain.is_none() && decimal_comma && cell.matches(',').count() == 1 && !cell.contains('.') {
-        return cell.replace(',', ".").parse().ok();
-    }
+    let with_point = || {
+        let is_one = decimal_comma && cell.matches(',').count() == 1 && !cell.contains('.');
+        is_one.then(|| cell.replace(',', ".").parse().ok())?
+    };
     let of_comma = || decimal_comma.then(|| grouped(cell, '.', ','))?;
-    plain.or_else(|| grouped(cell, ',', '.')).or_else(of_comma).or_else(|| quoted(cell))
+    plain
+        .or_else(with_point)
+        .or_else(|| grouped(cell, ',', '.'))
+        .or_else(of_comma)
+        .or_else(|| quoted(cell))
+        .or_else(|| number(respelled(cell, decimal_comma)?.as_bytes(), decimal_comma))
+}
+
+/// A number with the minus of typography, and blanks or apostrophes between thousands, as in `−1 234,5` and `1'234.5`, as programs write it;
+/// None where it has none of these, or they stand elsewhere. Plain blanks are those of tables with decimal commas: elsewhere they may be between
+/// two numbers.
+fn respelled(cell: &str, decimal_comma: bool) -> Option<String> {
+    const MINUS: [char; 2] = ['\u{2212}', '\u{2013}'];
+    const BETWEEN: [char; 5] = ['\'', '\u{2019}', '\u{a0}', '\u{2009}', '\u{202f}'];
+    let is_between = |letter: char| BETWEEN.contains(&letter) || (decimal_comma && letter == ' ');
+    let positive = cell.strip_prefix(MINUS);
+    let (sign, size) = match positive {
+        Some(size) => ("-", size),
+        None => cell.strip_prefix('-').map_or(("", cell), |size| ("-", size)),
+    };
+    let end = size.find(['.', ',']).unwrap_or(size.len());
+    let mut groups = size[..end].split(is_between);
+    let first = groups.next()?.len();
+    let rest: Vec<&str> = groups.collect();
+    let is_grouped = !rest.is_empty() && (1..=3).contains(&first) && rest.iter().all(|group| group.len() == 3);
+    // Digits and one sign: nothing else is respelled, so that this ends.
+    let is_number = size.starts_with(|first: char| first.is_ascii_digit());
+    let is_respelled = positive.is_some() || is_grouped;
+    (is_number && is_respelled && (rest.is_empty() || is_grouped))
+        .then(|| format!("{sign}{}{}", size[..end].replace(is_between, ""), &size[end..]))
 }
 
 /// A number with a decimal comma between cells that commas separate, where it stands in quotes. With three digits behind the comma it may be a
@@ -285,6 +315,26 @@ mod tests {
         assert_eq!([number(b"1,500", false), number(b"D1", false), number(b"12d", false)], [None; 3]);
         assert!([b"#N/A".as_slice(), b"1.#IND", b"-1.#INF", b"-nan(ind)", b"None"].iter().all(|cell| is_empty(cell)));
         assert!(!is_empty(b"-1.5") && !is_empty(b"x"));
+    }
+
+    #[test]
+    fn numbers_of_typography_and_of_other_countries() {
+        for (cell, decimal_comma, value) in [
+            ("\u{2212}1.5", false, -1.5),
+            ("1\u{202f}234,5", true, 1234.5),
+            ("-12\u{a0}345,25", true, -12345.25),
+            ("1 234,5", true, 1234.5),
+            ("1'234.5", false, 1234.5),
+            ("\u{2212}1\u{2019}234\u{2019}567.5", false, -1_234_567.5),
+            ("1'234", false, 1234.0),
+            ("\u{2212}2,5e-3", true, -2.5e-3),
+        ] {
+            assert_eq!(number(cell.as_bytes(), decimal_comma), Some(value), "{cell}");
+        }
+        for cell in ["1'23", "1 2345", "\u{2212}", "\u{2212}\u{2212}1", "'123", "1'234'5.0", "q 123", "2 rad", "1 234"]
+        {
+            assert_eq!(number(cell.as_bytes(), false), None, "{cell}");
+        }
     }
 
     #[test]

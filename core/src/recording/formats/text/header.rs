@@ -1,6 +1,7 @@
 //! What stands above the numbers besides one line of names: titles, and a second line of units or of joints.
 
 use super::cells::{date, is_empty, number};
+use super::notation::with_unit;
 use super::separators::SEPARATORS;
 use crate::recording::columns::names as columns;
 use std::collections::BTreeSet;
@@ -13,7 +14,9 @@ const ROWS: usize = 3;
 const MOST_LINES: usize = 3;
 
 fn is_number(cell: &[u8]) -> bool {
-    number(cell, true).is_some() || date(cell).is_some()
+    number(cell, true).is_some()
+        || date(cell).is_some()
+        || std::str::from_utf8(cell).is_ok_and(|cell| with_unit(cell, true).is_some())
 }
 
 /// The lines with content, with their places; of the first ones.

@@ -2,6 +2,7 @@
 
 use super::cells::{FORMS_OF_DATES, date, is_empty, is_like_a_date, list, not_a_number, number, of_width};
 use super::comments::blank_comments;
+use super::notation::{self, Commas, Fault, Notation, TWO_READINGS, name_with_unit, with_unit};
 use super::quotes::without_open_quotes;
 use super::separators::{blanks_to_tabs, separator};
 use super::{encoding, header};
@@ -22,6 +23,15 @@ pub(crate) struct Text {
     pub header: Vec<String>,
     /// Cells of each column as it stands in the file; more than one for lists.
     widths: Vec<usize>,
+    /// How the numbers of each column as it stands in the file are written.
+    notations: Vec<Notation>,
+}
+
+/// Why a cell has no number.
+struct Problem {
+    text: String,
+    /// Whether no cell of the column can be trusted.
+    of_column: bool,
 }
 
 /// A row that does not hold a number in every column.
@@ -75,7 +85,15 @@ impl Text {
             None => blanks_to_tabs(&mut bytes),
         };
         without_open_quotes(&mut bytes);
-        let mut text = Text { separator, header_line: 0, has_header: true, header: vec![], widths: vec![], bytes };
+        let mut text = Text {
+            separator,
+            header_line: 0,
+            has_header: true,
+            header: vec![],
+            widths: vec![],
+            notations: vec![],
+            bytes,
+        };
         let mut reader = text.reader();
         let mut record = ByteRecord::new();
         let mut next = || -> Result<Vec<String>> {
@@ -84,7 +102,7 @@ impl Text {
                 .map_err(|error| Error::io(path, "read the recording", error.into()))?;
             Ok(record.iter().map(|cell| String::from_utf8_lossy(cell.trim_ascii()).into_owned()).collect())
         };
-        let (names, first) = (next()?, next()?);
+        let (mut names, first) = (next()?, next()?);
         text.header_line = text.line_at(0);
         if let Some(header) = labels::of_joint_state_message(&names) {
             text.has_header = false;
@@ -93,14 +111,29 @@ impl Text {
             return Ok(text);
         }
         let is_row = |cells: &[String]| {
-            let number = |cell: &String| number(cell.as_bytes(), text.separator != b',').is_some();
-            cells.len() > 1 && cells.iter().all(number)
+            let decimal_comma = text.separator != b',';
+            let is_number = |cell: &String| {
+                number(cell.as_bytes(), decimal_comma).is_some() || with_unit(cell, decimal_comma).is_some()
+            };
+            cells.len() > 1 && cells.iter().all(is_number)
         };
-        if is_row(&names) && is_row(&first) && names.len() == first.len() {
-            text.has_header = false;
+        text.has_header = !(is_row(&names) && is_row(&first) && names.len() == first.len());
+        text.find_notations(path, names.len())?;
+        if !text.has_header {
             text.widths = vec![1; names.len()];
             text.header = (1..=names.len()).map(|column| column.to_string()).collect();
+            let with_unit = |(name, notation): (&mut String, &Notation)| {
+                *name = notation.unit().map_or(name.clone(), |unit| format!("{name} [{unit}]"));
+            };
+            text.header.iter_mut().zip(&text.notations).for_each(with_unit);
             return Ok(text);
+        }
+        for (place, (name, notation)) in names.iter_mut().zip(&text.notations).enumerate() {
+            let Some(unit) = notation.unit() else { continue };
+            *name = name_with_unit(name, place, unit).map_err(|own| {
+                let problem = format!("the cells are in {unit} where the name says {own}: write one of the two");
+                Error::input(path, Some(text.header_line), name.as_str(), problem)
+            })?;
         }
         text.widths =
             (0..names.len()).map(|column| first.get(column).map_or(1, |cell| list(cell).len().max(1))).collect();
@@ -116,6 +149,40 @@ impl Text {
             first.iter().zip(&text.widths).flat_map(|(cell, &width)| of_width(cell, width)).collect();
         text.header = labels::named(flat, &cells);
         Ok(text)
+    }
+
+    /// Finds how the numbers of `columns` columns are written.
+    fn find_notations(&mut self, path: &Path, columns: usize) -> Result<()> {
+        let decimal_comma = self.separator != b',';
+        let (mut reader, mut record) = (self.reader(), ByteRecord::new());
+        let has_commas = !decimal_comma && self.bytes.contains(&b'"');
+        let mut first: Vec<Option<Notation>> = vec![None; columns];
+        let mut commas = vec![Commas::default(); columns];
+        let mut skip = self.has_header;
+        let mut row = 0;
+        while (has_commas || row < notation::ROWS)
+            && reader.read_byte_record(&mut record).map_err(|error| broken(path, error))?
+        {
+            if std::mem::take(&mut skip) {
+                continue;
+            }
+            row += 1;
+            for ((cell, first), commas) in record.iter().zip(&mut first).zip(&mut commas) {
+                let Ok(cell) = std::str::from_utf8(cell.trim_ascii()) else { continue };
+                if first.is_none() && row <= notation::ROWS && !is_empty(cell.as_bytes()) {
+                    *first = Some(Notation::of_first(cell, decimal_comma));
+                }
+                if has_commas {
+                    commas.see(cell);
+                }
+            }
+        }
+        let with_commas = |(first, commas): (Option<Notation>, Commas)| match has_commas {
+            true => first.unwrap_or_default().with_commas(commas),
+            false => first.unwrap_or_default(),
+        };
+        self.notations = first.into_iter().zip(commas).map(with_commas).collect();
+        Ok(())
     }
 
     fn reader(&self) -> ::csv::Reader<&[u8]> {
@@ -145,6 +212,7 @@ impl Text {
         let is_time: Vec<bool> =
             header.iter().enumerate().map(|(column, name)| names::time(name, column).is_some()).collect();
         let places = self.places();
+        let plain = Notation::default();
         let mut rows = Rows { columns: vec![Vec::new(); header.len()], ..Rows::default() };
         let (mut reader, mut record, mut ordinal) = (self.reader(), ByteRecord::new(), 0);
         if self.has_header {
@@ -153,8 +221,12 @@ impl Text {
         let mut values = vec![0.0; used.len()];
         while reader.read_byte_record(&mut record).map_err(|error| broken(path, error))? {
             let start = record.position().map_or(0, |position| position.byte() as usize);
+            if self.is_comment(&record) {
+                continue;
+            }
             ordinal += 1;
-            let parse = |column: usize| -> std::result::Result<f64, String> {
+            let parse = |column: usize| -> std::result::Result<f64, Problem> {
+                let of_cell = |text: String| Problem { text, of_column: false };
                 let (raw, place) = places[column];
                 let whole = &record[raw];
                 let owned;
@@ -164,19 +236,28 @@ impl Text {
                     let text = String::from_utf8_lossy(whole).into_owned();
                     let parts = list(&text);
                     if parts.len() != self.widths[raw] {
-                        return Err(format!("a list of {} where the first has {}", parts.len(), self.widths[raw]));
+                        let text = format!("a list of {} where the first has {}", parts.len(), self.widths[raw]);
+                        return Err(of_cell(text));
                     }
                     owned = parts[place].to_owned();
                     owned.as_bytes()
                 };
-                let number = number(cell, decimal_comma).or_else(|| if is_time[column] { date(cell) } else { None });
-                match number {
-                    Some(number) => Ok(number),
-                    None if lenient && is_empty(cell) => Ok(f64::NAN),
-                    None if is_time[column] && is_like_a_date(cell) => {
-                        Err(format!("{}{FORMS_OF_DATES}", not_a_number(cell)))
+                let fault = match self.notations.get(raw).unwrap_or(&plain).number(cell, decimal_comma) {
+                    Ok(number) => return Ok(number),
+                    Err(fault) => fault,
+                };
+                match (if is_time[column] { date(cell) } else { None }, fault) {
+                    (Some(number), _) => Ok(number),
+                    (None, _) if lenient && is_empty(cell) => Ok(f64::NAN),
+                    (None, Fault::OtherUnit(text)) => Err(Problem { text, of_column: true }),
+                    (None, Fault::Unit(text)) => Err(of_cell(text)),
+                    (None, Fault::Comma) => {
+                        Err(of_cell(format!("'{}'{TWO_READINGS}", String::from_utf8_lossy(cell.trim_ascii()))))
                     }
-                    None => Err(not_a_number(cell)),
+                    (None, Fault::NoNumber) if is_time[column] && is_like_a_date(cell) => {
+                        Err(of_cell(format!("{}{FORMS_OF_DATES}", not_a_number(cell))))
+                    }
+                    (None, Fault::NoNumber) => Err(of_cell(not_a_number(cell))),
                 }
             };
             // A separator behind the last cell.
@@ -184,7 +265,7 @@ impl Text {
             let fault = if record.len() < self.widths.len() || !more {
                 let (cells, names) = (record.len(), self.widths.len());
                 let problem = format!("{cells} cells where the header names {names} columns; was the row cut off?");
-                Some((format!("column {}", cells.min(names)), problem))
+                Some((format!("column {}", cells.min(names)), Problem { text: problem, of_column: false }))
             } else {
                 used.iter().zip(&mut values).find_map(|(&column, value)| match parse(column) {
                     Ok(number) => {
@@ -195,7 +276,10 @@ impl Text {
                 })
             };
             match fault {
-                Some((field, problem)) => reject(BadRow { start, field, problem })?,
+                Some((field, Problem { text, of_column: true })) => {
+                    return Err(Error::input(path, Some(self.line_at(start)), field, text));
+                }
+                Some((field, Problem { text, .. })) => reject(BadRow { start, field, problem: text })?,
                 None => {
                     used.iter().zip(&values).for_each(|(&column, value)| rows.columns[column].push(*value));
                     rows.starts.push(start);
@@ -209,6 +293,11 @@ impl Text {
         Ok(rows)
     }
 
+    /// Whether a line below the header is a comment: it begins as one, and has other cells than a row. A spreadsheet's `#N/A` stands in a row.
+    fn is_comment(&self, record: &ByteRecord) -> bool {
+        record.len() != self.widths.len() && record.get(0).is_some_and(|cell| cell.trim_ascii().starts_with(b"#"))
+    }
+
     /// Cells of one column as they stand in the file.
     pub(crate) fn cells(&self, column: usize) -> Vec<String> {
         let (raw, _) = self.places()[column];
@@ -217,7 +306,7 @@ impl Text {
         let mut out = Vec::new();
         let mut skip = self.has_header;
         while let Ok(true) = reader.read_byte_record(&mut record) {
-            if !std::mem::take(&mut skip) {
+            if !std::mem::take(&mut skip) && !self.is_comment(&record) {
                 out.push(record.get(raw).map_or(String::new(), |cell| String::from_utf8_lossy(cell).trim().to_owned()));
             }
         }

@@ -46,6 +46,8 @@ pub struct Sieved {
     pub unwrapped: Vec<(usize, f64)>,
     /// Torques are motor currents by their name.
     pub currents: bool,
+    /// Torques are percent of rated torques by their names: nothing is known of their size.
+    pub of_rated: bool,
     /// Torques are called for the motors of the robot's file: they may be those before the gears.
     pub of_motors: bool,
     /// The first column of torque, where torques are those that a controller wanted or computed, by their names.
@@ -161,6 +163,7 @@ fn read(paths: &[PathBuf], joints: Option<&[String]>, map: &ColumnMap, positions
     let unknown_joints = std::mem::take(&mut layout.unknown_joints);
     let (currents, of_motors, of_controller) =
         (layout.currents, layout.of_motors || placed.of_motors, layout.of_controller.take());
+    let of_rated = layout.of_rated;
     let of_names = layout.units();
     let mut recording = layout.recording(rows.columns);
     let (converted, doubts) = units::in_si(&mut recording, of_names, map.known_units);
@@ -180,6 +183,7 @@ fn read(paths: &[PathBuf], joints: Option<&[String]>, map: &ColumnMap, positions
         corrections,
         unwrapped,
         currents,
+        of_rated,
         of_motors,
         of_controller,
         may_count: clock.may_count,

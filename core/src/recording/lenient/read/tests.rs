@@ -33,6 +33,65 @@ fn bad_rows_are_left_out_and_named_by_their_line() {
 }
 
 #[test]
+fn numbers_with_their_units_are_converted_by_them() {
+    let text =
+        "time,q1,qd1,tau1\n0 ms,90 deg,9 deg/s,1.5 Nm\n10 ms,180 deg,9 deg/s,2.5 Nm\n20 ms,270 deg,9 deg/s,3.5 Nm\n";
+    let log = read(text, &ColumnMap::default()).unwrap().recording;
+    assert!((log.q.channel(0)[1] - std::f64::consts::PI).abs() < 1e-12 && log.tau.channel(0) == [1.5, 2.5, 3.5]);
+    assert_eq!(log.time, [0.0, 0.01, 0.02]);
+    // With decimal commas; a name that has the unit too; a title above; a name that a dataset gives.
+    for (text, map) in [
+        ("Zeit;q1;tau1\n0,00 s;90,0°;1,5 Nm\n0,01 s;180,0°;2,5 Nm\n0,02 s;270,0°;3,5 Nm\n", ColumnMap::default()),
+        ("t,q1 [deg],tau1\n0 s,90 deg,1.5\n0.01 s,180 deg,2.5\n0.02 s,270 deg,3.5\n", ColumnMap::default()),
+        ("Run 7\nt,q1,tau1\n0 s,90 deg,1.5 Nm\n0.01 s,180 deg,2.5 Nm\n0.02 s,270 deg,3.5 Nm\n", ColumnMap::default()),
+        (
+            "t,angle,tau1\n0,90 deg,1.5\n0.01,180 deg,2.5\n0.02,270 deg,3.5\n",
+            ColumnMap { q: Some(vec![Column::from("angle")]), ..ColumnMap::default() },
+        ),
+    ] {
+        let log = read(text, &map).unwrap().recording;
+        assert!((log.q.channel(0)[1] - std::f64::consts::PI).abs() < 1e-12, "{text}: {:?}", log.q);
+        assert_eq!((log.time, log.tau.channel(0)), (vec![0.0, 0.01, 0.02], &[1.5, 2.5, 3.5][..]), "{text}");
+    }
+}
+
+#[test]
+fn units_that_differ_within_a_column_are_named_by_line_and_column() {
+    let problem = |text: &str| read(text, &ColumnMap::default()).unwrap_err().to_string();
+    let two = problem("t,q1,tau1\n0,0.5 rad,1\n1,30 deg,2\n2,0.5 rad,3\n");
+    assert!(two.contains("log.csv:3: q1 [rad]: '30 deg' is in deg where the cells above are in rad"), "{two}");
+    let name = problem("t,q1 [deg],tau1\n0,0.5 rad,1\n1,0.6 rad,2\n");
+    assert!(name.contains("log.csv:1: q1 [deg]: the cells are in rad where the name says deg"), "{name}");
+    // A cell without a unit, or the first with one, costs its row.
+    let sieved = read("t,q1,tau1\n0,0.5 rad,1\n1,0.6,2\n2,0.7 rad,3\n", &ColumnMap::default()).unwrap();
+    assert_eq!((sieved.recording.time, sieved.rejected[0].line), (vec![0.0, 2.0], 3));
+    assert!(sieved.rejected[0].problem.contains("'0.6' has no unit where"), "{:?}", sieved.rejected);
+}
+
+/// Of two arms in one list the dataset names the second: the columns of the first are those of no joint.
+#[test]
+fn columns_of_a_list_are_chosen_by_their_names() {
+    let list = |k: i32| format!("\"[{k}, {}, {}]\"", k + 1, k + 2);
+    let rows: String = (0..5).map(|k| format!("{k},{},{}\n", list(k), list(10 * k))).collect();
+    let column = |name: &str| Some(vec![Column::from(name)]);
+    let map =
+        ColumnMap { q: column("observation.state[2]"), tau: column("observation.effort[2]"), ..ColumnMap::default() };
+    let log = read(&format!("t,observation.state,observation.effort\n{rows}"), &map).unwrap().recording;
+    assert_eq!((log.q.channel(0), log.joints.len()), (&[2.0, 3.0, 4.0, 5.0, 6.0][..], 1));
+    assert_eq!(log.tau.channel(0), [2.0, 12.0, 22.0, 32.0, 42.0]);
+}
+
+#[test]
+fn commas_of_thousands_and_comments_between_rows() {
+    let text = "t,q1,tau1\n0,1,\"999\"\n# a marker, of three\n1,2,\"1,500\"\n2,3,\"-12,345\"\n# the end\n";
+    let sieved = read(text, &ColumnMap::default()).unwrap();
+    assert_eq!(sieved.recording.tau.channel(0), [999.0, 1500.0, -12345.0]);
+    assert_eq!((sieved.rejected.len(), &sieved.lines[..]), (0, &[2, 4, 5][..]), "{:?}", sieved.rejected);
+    let either = read("t,q1,tau1\n0,1,\"1,500\"\n1,2,\"2,500\"\n", &ColumnMap::default()).unwrap_err().to_string();
+    assert!(either.contains("'1,500' may be thousands or a fraction"), "{either}");
+}
+
+#[test]
 fn a_quote_that_is_not_closed_costs_its_line_only() {
     let text = "t,note,q1,tau1\n0,\"a, b\",1,2\n1,c,\"1,2\n2,\"d,1,2\n3,e,1,2\n4,\"f\",\"1\",2\n5,g,1,\"2\n6,,1,2\n";
     let sieved = read(text, &ColumnMap::default()).unwrap();

@@ -5,7 +5,7 @@ use crate::diagnosis::criteria::Gate;
 use crate::diagnosis::lack_of_fit::{Structure, mapped, unexplained};
 use crate::diagnosis::model::{DataSet, Member, Session};
 use crate::diagnosis::noise::Whitener;
-use crate::diagnosis::relevance::{Minor, eliminate, hold_undetermined, with_scatter};
+use crate::diagnosis::relevance::{Minor, are_possible, eliminate, hold_undetermined, with_scatter};
 use crate::diagnosis::search::{Found, Selection, converged, members, select, settled};
 use crate::diagnosis::variance::ResidualMap;
 use crate::diagnosis::watch::Watch;
@@ -74,8 +74,7 @@ fn those_that_matter(
             selection.take_held_out(session)?;
         }
         // Holding a parameter at the end may leave a law that no machine has.
-        let is_possible = selection.found.iter().all(|found| session.believable(&found.member.placed).passed);
-        if is_possible || !take_out(session, &mut selection, &mut minor, any_size)? {
+        if are_possible(session, &selection.found)? || !take_out(session, &mut selection, &mut minor, any_size)? {
             return Ok((selection, minor));
         }
     }

@@ -59,27 +59,34 @@ impl Session<'_> {
         }
         let mut placed = candidate.placed.clone();
         linear(effect).iter().zip(&test.values).for_each(|(&index, &value)| placed.parameters[index] = value);
-        let in_proportion = || Judgement::at_most(Gate::InProportion, self.proportion(candidate, test), 1.0);
-        Judgement::first_failed([self.believable(&placed)]).or_else(|| Judgement::first_failed([in_proportion()]))
+        Judgement::first_failed([self.can_be(&placed, &combined(&candidate.columns, &test.values))])
+    }
+
+    /// Whether a machine can have a law with its parameters, and its joint so much `torque` of it along the training logs.
+    pub(crate) fn can_be(&self, placed: &Placed, torque: &Column) -> Judgement {
+        let believable = self.believable(placed);
+        if !believable.passed || is_level(placed.effect) {
+            return believable;
+        }
+        let in_proportion = Judgement::at_most(Gate::InProportion, self.proportion(placed, torque), 1.0);
+        if in_proportion.passed { believable } else { in_proportion }
     }
 
     /// Whether a machine can have a law with its parameters.
-    pub(crate) fn believable(&self, Placed { effect, joint, parameters }: &Placed) -> Judgement {
+    fn believable(&self, Placed { effect, joint, parameters }: &Placed) -> Judgement {
         // At what torque a drive is cut off is its own.
         let over = if is_level(*effect) { 0.0 } else { effect.over_limit(parameters, *joint, self.model.base.robot()) };
         Judgement::at_most(Gate::Believable, over, 1.0)
     }
 
-    /// The torque of an estimate over what can be of its joint's: on the valid rows, and for friction in all others too, to which a law that
+    /// The torque `own` of a law over what can be of its joint's: on the valid rows, and for friction in all others too, to which a law that
     /// hardly reaches the valid rows is carried on.
-    fn proportion(&self, candidate: &Candidate, test: &Test) -> f64 {
-        let effect = candidate.placed.effect;
+    fn proportion(&self, Placed { effect, joint, .. }: &Placed, own: &Column) -> f64 {
         let (dry, share) = (effect.about().dry, effect.largest_share());
         let mut most = 0.0f64;
         if !dry && share.is_none() {
             return most;
         }
-        let own = combined(&candidate.columns, &test.values);
         if dry {
             let largest = |values: &[f64]| values.iter().fold(0.0f64, |most, value| most.max(value.abs()));
             for (joint, values) in &own.parts {
@@ -89,8 +96,8 @@ impl Session<'_> {
         }
         let Some(share) = share else { return most };
         let valid = &self.logs.train.rows.valid;
-        let joint = candidate.placed.joint;
-        let of_effect = rms(valid, &own)[joint];
+        let joint = *joint;
+        let of_effect = rms(valid, own)[joint];
         let all = Column::on(joint, self.logs.train.rows.torque[joint].clone());
         let limit = self.model.base.robot().joints[joint].limits.effort;
         let of_drive = if limit.is_finite() { self.criteria.levels.minor * limit } else { 0.0 };

@@ -132,8 +132,8 @@ impl<'a> Judge<'a> {
             size => size / self.least[joint],
         };
         let relative_size = own.iter().map(relative).fold(0.0, f64::max);
-        let mut judgements =
-            vec![self.session.believable(&member.placed), Judgement::at_least(Gate::Size, relative_size, 1.0)];
+        let can_be = self.session.can_be(&member.placed, self.fit.torque(kept[index]));
+        let mut judgements = vec![can_be, Judgement::at_least(Gate::Size, relative_size, 1.0)];
         let is_level = is_level(member.placed.effect);
         // Torque is cut off in a few rows of a few blocks, whose scatter indicates little.
         let strength = if is_level { None } else { self.fit.strength(kept, index) };

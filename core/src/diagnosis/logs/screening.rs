@@ -219,9 +219,9 @@ pub(crate) fn all_faults(
     all
 }
 
-/// Takes back what one of several logs seems to show of the sign of a torque and most others do not: one recorder made all.
+/// Takes back what one of several logs seems to show of the sign of a torque or a position and most others do not: one recorder made all.
 fn confirm(faults: &mut [DataFault], logs: usize) {
-    let signs = [Kind::TorqueSign, Kind::UnsignedTorque];
+    let signs = [Kind::TorqueSign, Kind::UnsignedTorque, Kind::PositionSign];
     let seen: Vec<(Kind, String)> = faults.iter().map(|fault| (fault.kind, fault.place.clone())).collect();
     for fault in faults.iter_mut().filter(|fault| signs.contains(&fault.kind)) {
         let count = seen.iter().filter(|(kind, place)| *kind == fault.kind && *place == fault.place).count();
@@ -319,6 +319,9 @@ mod tests {
         let mut faults = vec![fault("a", Kind::TorqueSign), fault("a", Kind::Swapped)];
         confirm(&mut faults, 3);
         assert_eq!(faults.iter().map(|f| f.consequence).collect::<Vec<_>>(), [Consequence::Noted, Consequence::Stops]);
+        let mut faults = vec![fault("a", Kind::PositionSign)];
+        confirm(&mut faults, 3);
+        assert_eq!(faults[0].consequence, Consequence::Noted);
         let mut faults = vec![fault("a", Kind::TorqueSign), fault("b", Kind::TorqueSign)];
         confirm(&mut faults, 3);
         assert!(faults.iter().all(|f| f.consequence == Consequence::Stops));

@@ -4,7 +4,7 @@ use super::kinds::{Kind, Signals};
 use crate::diagnosis::logs::Rows;
 use crate::diagnosis::regression::{Column, is_level};
 use crate::linear::{OrthonormalBasis, gram_matrix, transposed_product};
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use std::ops::Range;
 
 /// Rows that are averaged to one: 20 ms become 80 ms, since what generic functions follow is slower than that, and noise that
@@ -201,6 +201,23 @@ impl Raw {
         }
         self.kinds.push((None, start..self.z.ncols()));
         (self, if all > 0.0 { left / all } else { 0.0 })
+    }
+
+    /// The same with functions of position, and of position by direction, that resemble each other within so many knots: a Gaussian process
+    /// with a squared-exponential covariance, which over position is smooth, where hats that do not resemble each other are rough.
+    pub(super) fn smooth(mut self, knots: f64) -> Self {
+        let of_position = [Kind::Position, Kind::PositionByDirection].map(Some);
+        for (_, columns) in self.kinds.iter().filter(|(kind, _)| of_position.contains(kind)) {
+            let count = columns.len();
+            let covariance =
+                DMatrix::from_fn(count, count, |i, j| (-0.5 * ((i as f64 - j as f64) / knots).powi(2)).exp());
+            let SymmetricEigen { eigenvectors, eigenvalues } = covariance.symmetric_eigen();
+            let roots = DMatrix::from_diagonal(&eigenvalues.map(|value| value.max(0.0).sqrt()));
+            let mut part = self.z.columns_mut(columns.start, count);
+            let smooth = &part * eigenvectors * roots;
+            part.copy_from(&smooth);
+        }
+        self
     }
 
     /// The same without the functions of a law.

@@ -9,6 +9,10 @@ use crate::diagnosis::regression::Column;
 /// Strength of a law, over the noise, from which its fit starts where generic functions explain all.
 const FAINT: f64 = 0.01;
 
+/// Knots over position, of twelve in its range, within which smooth functions of it resemble each other: gears out of centre and hoses bend
+/// once or a few times over the range. Hats that do not resemble each other take one number each, and any smooth law would gain by that.
+const SMOOTH: [f64; 2] = [1.5, 4.0];
+
 /// Gain of the logarithm of the restricted likelihood on one joint by the columns of a law as a random effect of their own, all other
 /// strengths estimated again with and without it. A law that replaces many generic functions by one or two numbers gains; one that
 /// explains a part of what generic functions explain as well does not. `torques` are those of the arm, `[joint][row]`. None where the rows
@@ -26,25 +30,37 @@ pub(crate) fn gain_over_generic_functions(
     if kept < resolved {
         return None;
     }
-    Some(gain_in(raw))
+    Some(gain_in(&raw))
 }
 
-/// The same in a regression with a law.
-fn gain_in(raw: Raw) -> f64 {
-    let (design, with, rho) = coloured_fit(&raw);
-    // What a law explains by its constant, the kind of constants explains as well. An offset is that constant.
-    let bare = match design.constant {
-        ConstantOfLaw::Part => raw.without_law().design(rho),
-        ConstantOfLaw::No | ConstantOfLaw::Whole => design.clone().without_law(),
-    };
-    let gain = gain(&design, &bare, &with);
-    tracing::debug!(constant = ?design.constant, rho, with = with.log_likelihood, gain, "law over generic functions");
+/// The same in a regression with a law. What follows a joint's position may be rough or smooth: the likelier counts, with and without.
+fn gain_in(raw: &Raw) -> f64 {
+    let (design, with, rho) = coloured_fit(raw);
+    let mut best = likelihoods(&design, &bare(raw, &design, rho), &with);
+    for knots in SMOOTH {
+        let raw = raw.clone().smooth(knots);
+        let design = raw.design(rho);
+        let with = fit(&design);
+        let smooth = likelihoods(&design, &bare(&raw, &design, rho), &with);
+        best.iter_mut().zip(smooth).for_each(|(best, smooth)| *best = best.max(smooth));
+    }
+    let [with, without] = best;
+    let gain = (with - without).max(0.0);
+    tracing::debug!(constant = ?design.constant, rho, with, gain, "law over generic functions");
     gain
 }
 
-/// Gain of the fit `with` the law of `design`, the last of its kinds, over that of the `bare` design without it. The likelihood may have
-/// several maxima: each fit starts from the other, too, and the better one counts.
-fn gain(design: &Design, bare: &Design, with: &Fit) -> f64 {
+/// The design without the law. What a law explains by its constant, the kind of constants explains as well. An offset is that constant.
+fn bare(raw: &Raw, design: &Design, rho: f64) -> Design {
+    match design.constant {
+        ConstantOfLaw::Part => raw.clone().without_law().design(rho),
+        ConstantOfLaw::No | ConstantOfLaw::Whole => design.clone().without_law(),
+    }
+}
+
+/// Logarithms of the likelihoods of the fit `with` the law of `design`, the last of its kinds, and of that of the `bare` design without it.
+/// The likelihood may have several maxima: each fit starts from the other, too, and the better one counts.
+fn likelihoods(design: &Design, bare: &Design, with: &Fit) -> [f64; 2] {
     let kinds = bare.kinds.len();
     let best = |fits: [Fit; 2]| {
         let [one, other] = fits;
@@ -53,7 +69,7 @@ fn gain(design: &Design, bare: &Design, with: &Fit) -> f64 {
     let without = best([fit(bare), fit_from(bare, with.strengths[..kinds].to_vec(), with.noise)]);
     let started = [&without.strengths[..], &vec![FAINT * without.noise; design.kinds.len() - kinds]].concat();
     let again = fit_from(design, started, without.noise);
-    (again.log_likelihood.max(with.log_likelihood) - without.log_likelihood).max(0.0)
+    [again.log_likelihood.max(with.log_likelihood), without.log_likelihood]
 }
 
 #[cfg(test)]
@@ -80,7 +96,8 @@ mod tests {
         design.gram = design.z.tr_mul(&design.z);
         design.right = design.z.tr_mul(&design.y);
         let with = fit(&design);
-        gain(&design, &design.clone().without_law(), &with)
+        let [with, without] = likelihoods(&design, &design.clone().without_law(), &with);
+        with - without
     }
 
     #[test]
@@ -116,7 +133,7 @@ mod tests {
             log: noise.log,
             together: noise.together,
         };
-        (raw.design(0.0).constant, gain_in(raw))
+        (raw.design(0.0).constant, gain_in(&raw))
     }
 
     #[test]

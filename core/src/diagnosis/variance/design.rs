@@ -203,11 +203,11 @@ impl Raw {
         (self, if all > 0.0 { left / all } else { 0.0 })
     }
 
-    /// The same with functions of position, and of position by direction, that resemble each other within so many knots: a Gaussian process
-    /// with a squared-exponential covariance, which over position is smooth, where hats that do not resemble each other are rough.
+    /// The same with functions of position that resemble each other within so many knots: a Gaussian process with a squared-exponential
+    /// covariance, which is smooth, where hats that do not resemble each other are rough. A smooth friction over position is a law of the
+    /// library: that kind stays rough.
     pub(super) fn smooth(mut self, knots: f64) -> Self {
-        let of_position = [Kind::Position, Kind::PositionByDirection].map(Some);
-        for (_, columns) in self.kinds.iter().filter(|(kind, _)| of_position.contains(kind)) {
+        for (_, columns) in self.kinds.iter().filter(|(kind, _)| *kind == Some(Kind::Position)) {
             let count = columns.len();
             let covariance =
                 DMatrix::from_fn(count, count, |i, j| (-0.5 * ((i as f64 - j as f64) / knots).powi(2)).exp());

@@ -270,15 +270,18 @@ impl<'a> Judge<'a> {
     }
 
     /// What the member at `kept[index]` explains beyond generic functions, with the others in the model, where each of the tests that its kind
-    /// is worth, places and shapes, is as likely beforehand; None where the rows of that comparison are too long for its law. A few numbers from the training logs that predict most of what the held-out ones have beyond
+    /// is worth on a joint, its shapes, is as likely beforehand; None where the rows of that comparison are too long for its law. A few numbers from the training logs that predict most of what the held-out ones have beyond
     /// the noise are a law, too, also where generic functions that are fitted to both explain as much.
     pub(super) fn beyond_structure(&self, kept: &[usize], index: usize) -> Option<Judgement> {
         let Criteria { levels, verdict, .. } = &self.session.criteria;
         let others: Vec<usize> = kept.iter().copied().filter(|&other| other != kept[index]).collect();
         let joints = self.members[kept[index]].candidate.joints().into_iter();
         let gain = joints.map(|joint| self.gain(kept[index], &others, joint)).sum::<Option<f64>>()?;
-        let tests = self.multiplicity.of_kind(self.members[kept[index]].placed.effect.about().name);
-        let gained = Judgement::at_least(Gate::BeyondStructure, gain, levels.log_odds + tests.ln());
+        let about = self.members[kept[index]].placed.effect.about();
+        // A law on one joint says nothing against the same on another: only what is looked at on the same joint shares the odds.
+        let joints = if about.scope == Scope::Arm { 1 } else { self.least.len() };
+        let shapes = (self.multiplicity.of_kind(about.name) / joints as f64).max(1.0);
+        let gained = Judgement::at_least(Gate::BeyondStructure, gain, levels.log_odds + shapes.ln());
         Some(gained.or(gained.passed || self.predicted(kept, &others, index) >= verdict.explained))
     }
 }

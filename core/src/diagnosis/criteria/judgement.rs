@@ -61,6 +61,8 @@ pub enum Gate {
     EveryJoint,
     /// Lags of single joints do not undo a shift of all torques: number of joints on which they do.
     Undone,
+    /// Its amplitudes differ from zero by more than unexplained structure makes of them: p-value, for all shapes of its kind.
+    UnderStructure,
     /// It explains more than generic functions do: gain of the logarithm of the restricted likelihood.
     BeyondStructure,
     /// The others do not make it superfluous: its p-value with them in the model.
@@ -128,6 +130,7 @@ impl Gate {
             Gate::HeldOutLogs => "is contradicted by a held-out log",
             Gate::EveryJoint => "makes a joint's held-out prediction worse",
             Gate::Undone => "is undone by lags on several joints",
+            Gate::UnderStructure => "does not differ significantly from zero in view of unexplained structure",
             Gate::BeyondStructure => "explains no more than generic functions do",
             Gate::Needed => "is superfluous with the other findings in the model",
             Gate::Parsimony => "explains less than the two findings whose place it would take",

@@ -81,7 +81,7 @@ impl Session<'_> {
 
     /// The torque `own` of a law over what can be of its joint's: on the valid rows, and for friction in all others too, to which a law that
     /// hardly reaches the valid rows is carried on.
-    fn proportion(&self, Placed { effect, joint, .. }: &Placed, own: &Column) -> f64 {
+    fn proportion(&self, &Placed { effect, joint, .. }: &Placed, own: &Column) -> f64 {
         let (dry, share) = (effect.about().dry, effect.largest_share());
         let mut most = 0.0f64;
         if !dry && share.is_none() {
@@ -96,7 +96,6 @@ impl Session<'_> {
         }
         let Some(share) = share else { return most };
         let valid = &self.logs.train.rows.valid;
-        let joint = *joint;
         let of_effect = rms(valid, own)[joint];
         let all = Column::on(joint, self.logs.train.rows.torque[joint].clone());
         let limit = self.model.base.robot().joints[joint].limits.effort;

@@ -178,7 +178,7 @@ pub(crate) fn deviation(valid: &[Vec<bool>], residual: &Column) -> Vec<f64> {
 }
 
 /// Whether a signal is the same everywhere but for rounding.
-pub(crate) fn is_level(signal: &[f64]) -> bool {
+pub(crate) fn is_constant(signal: &[f64]) -> bool {
     let first = signal.first().copied().unwrap_or_default();
     signal.iter().all(|x| (x - first).abs() <= ROUNDING * first.abs())
 }
@@ -224,6 +224,6 @@ mod tests {
         let valid = vec![vec![true; 3], vec![true, false, true]];
         assert_eq!(rms(&valid, &residual), [0.0, 12.5f64.sqrt()]);
         assert_eq!(deviation(&valid, &residual), [0.0, 0.5]);
-        assert!(is_level(&[3.0, 3.0 + 1e-12]) && !is_level(&[3.0, 3.1]) && !is_level(&[0.0, 1.0]));
+        assert!(is_constant(&[3.0, 3.0 + 1e-12]) && !is_constant(&[3.0, 3.1]) && !is_constant(&[0.0, 1.0]));
     }
 }

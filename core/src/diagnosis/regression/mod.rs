@@ -13,7 +13,7 @@ mod solution;
 
 pub use column::{Column, rms};
 pub(crate) use column::{combined, joints_of, parts_on};
-pub(crate) use column::{deviation, is_level};
+pub(crate) use column::{deviation, is_constant};
 pub(crate) use factors::{Factored, JointFactors, OfJoint};
 pub(crate) use prior::Described;
 pub use score::Projection;

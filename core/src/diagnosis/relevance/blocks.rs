@@ -106,6 +106,25 @@ impl BlockProducts {
         Estimates { values: solve(all), without }
     }
 
+    /// Covariance of the estimates of the factors of the columns at `kept`, where the torque has white errors of this variance and independent
+    /// standard normal multiples of others, whose inner products with these columns are `errors`, a column each.
+    pub(super) fn covariance(&self, kept: &[usize], errors: DMatrix<f64>, white: f64) -> Option<DMatrix<f64>> {
+        let norms = DVector::from_iterator(kept.len(), kept.iter().map(|&place| self.norms[place]));
+        let factor = factored(self.all.gram.select_rows(kept).select_columns(kept))?;
+        let per_norm = |mut matrix: DMatrix<f64>| {
+            matrix.column_iter_mut().for_each(|mut column| column.component_div_assign(&norms));
+            matrix
+        };
+        let changes = per_norm(factor.solve(&per_norm(errors)));
+        let noise = per_norm(per_norm(factor.inverse()).transpose());
+        Some(&changes * changes.transpose() + noise * white)
+    }
+
+    /// Degrees of freedom of the scatter between blocks; None where there are too few.
+    pub(super) fn freedom(&self) -> Option<f64> {
+        (self.blocks.len() >= FEWEST).then_some(self.blocks.len() as f64 - 1.0)
+    }
+
     /// The least-squares solution for the factors of the columns at `kept`, by all rows.
     pub(super) fn solved(&self, kept: &[usize]) -> Solved {
         let norms = DVector::from_iterator(kept.len(), kept.iter().map(|&place| self.norms[place]));
@@ -199,6 +218,24 @@ mod tests {
             ratio += estimates.scatter(0).unwrap().0 / plain / 20.0;
         }
         assert!((ratio - 1.0).abs() < 0.15, "{ratio}");
+    }
+
+    #[test]
+    fn errors_along_a_column_are_those_of_its_factor() {
+        let (products, plain) = products(3, false);
+        // 0.3 times the first column, and 0.1 times both: inner products with them by the normal matrix.
+        let along = |factors: [f64; 2]| {
+            let scaled = DVector::from_iterator(2, factors.iter().zip(&products.norms).map(|(f, norm)| f * norm));
+            let norms = DVector::from_column_slice(&products.norms);
+            (&products.all.gram * scaled).component_mul(&norms)
+        };
+        let errors = DMatrix::from_columns(&[along([0.3, 0.0]), along([0.1, 0.1])]);
+        let covariance = products.covariance(&[0, 1], errors.clone(), 0.0).unwrap();
+        assert!((covariance[(0, 0)] - 0.1).abs() < 1e-6 && (covariance[(1, 1)] - 0.01).abs() < 1e-6, "{covariance}");
+        assert!((covariance[(0, 1)] - 0.01).abs() < 1e-6);
+        // White errors of unit variance add those of least squares.
+        let both = products.covariance(&[0, 1], errors, 1.0).unwrap() - covariance;
+        assert!((both[(0, 0)].sqrt() / plain - 1.0).abs() < 0.05, "{both}");
     }
 
     #[test]

@@ -45,8 +45,9 @@ pub struct Minor {
 /// The largest finding on a joint, of those that generic functions explain as well, whose size differs from block to block or that fit the
 /// training logs alone: the law that comes nearest to what stays unexplained there.
 pub(crate) fn nearest(minor: &[Minor], joint: usize) -> Option<&Minor> {
-    let alike =
-        minor.iter().filter(|one| matches!(one.failed.gate, Gate::BeyondStructure | Gate::Strength | Gate::Predicts));
+    let alike = minor.iter().filter(|one| {
+        matches!(one.failed.gate, Gate::BeyondStructure | Gate::UnderStructure | Gate::Strength | Gate::Predicts)
+    });
     let own = alike.filter(|one| one.found.member.candidate.joints().contains(&joint));
     own.max_by(|a, b| a.size[joint].total_cmp(&b.size[joint]))
 }
@@ -89,6 +90,9 @@ pub(crate) fn eliminate(
 /// # Errors
 /// If a log is too short to differentiate.
 pub(crate) fn are_possible(session: &Session, found: &[Found]) -> Result<bool> {
+    if found.is_empty() {
+        return Ok(true);
+    }
     let members = members(found);
     let columns = session.model.columns(&session.logs.train, &members)?;
     let blocks = session.blocks(&members);
@@ -107,8 +111,18 @@ pub(crate) fn with_scatter(session: &Session, found: &mut [Found], whitener: &Wh
     if found.is_empty() {
         return Ok(());
     }
-    let fit = HeldFit::new(session, &members(found), whitener)?;
-    if let Some(scatters) = fit.scatters(&(0..found.len()).collect::<Vec<usize>>()) {
+    let members = members(found);
+    let fit = HeldFit::new(session, &members, whitener)?;
+    let all: Vec<usize> = (0..found.len()).collect();
+    let by_structure = fit.variances_by_structure(&all, &fit.structure(&all, whitener));
+    for (found, variances) in found.iter_mut().zip(by_structure.iter().flatten()) {
+        let noise = &found.member.std;
+        let together = |(index, variance): (usize, &f64)| noise[index].hypot(variance.sqrt());
+        let std: Vec<f64> = found.member.places().zip(variances).map(together).collect();
+        tracing::debug!(family = ?found.member.candidate.family(), ?noise, ?std, "standard deviations with structure");
+        widen(&mut found.member, &std);
+    }
+    if let Some(scatters) = fit.scatters(&all) {
         found.iter_mut().zip(&scatters).for_each(|(found, scatter)| widen(&mut found.member, scatter));
     }
     Ok(())
@@ -119,6 +133,12 @@ fn least_that_fails(judge: &Judge, kept: &[usize], criteria: &Criteria) -> Optio
     let mut judged = judge.of(kept);
     let failing = judged.iter().filter_map(|one| Some((one, one.failed()?)));
     if let Some((one, failed)) = failing.min_by(|(a, _), (b, _)| a.relative_size.total_cmp(&b.relative_size)) {
+        return Some((one.index, failed, one.size.clone()));
+    }
+    let structure = judge.structure(kept);
+    let failing = judged.iter().filter_map(|one| Some((one, judge.under_structure(kept, one.index, &structure)?)));
+    let failing = failing.filter(|(_, significant)| !significant.passed);
+    if let Some((one, failed)) = failing.max_by(|(_, a), (_, b)| a.value.total_cmp(&b.value)) {
         return Some((one.index, failed, one.size.clone()));
     }
     let beyond: Vec<_> = judged.par_iter().map(|one| judge.beyond_structure(kept, one.index)).collect();

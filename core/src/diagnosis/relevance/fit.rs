@@ -3,8 +3,12 @@
 use super::blocks::BlockProducts;
 use crate::diagnosis::model::{DataSet, Member, ParameterBlocks, Session};
 use crate::diagnosis::noise::Whitener;
-use crate::diagnosis::regression::{Column, Described, Solved, combined, is_level};
+use crate::diagnosis::regression::{Column, Described, Solved, combined, is_constant};
+use crate::diagnosis::variance::{random_effects, torques};
 use crate::error::Result;
+use nalgebra::DMatrix;
+use rayon::prelude::*;
+use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 use std::ops::Range;
 
 /// Columns of a model along the training and the held-out logs.
@@ -70,7 +74,7 @@ impl<'a> HeldFit<'a> {
 
     /// Whether the law of a member is a constant torque on a joint along the held-out logs.
     pub(super) fn is_offset(&self, member: usize, joint: usize) -> bool {
-        self.test[self.law(member)].iter().filter_map(|column| column.part(joint)).all(is_level)
+        self.test[self.law(member)].iter().filter_map(|column| column.part(joint)).all(is_constant)
     }
 
     /// Residuals along the training and the held-out logs of the model with the members at `kept`, fitted as all models are
@@ -97,6 +101,51 @@ impl<'a> HeldFit<'a> {
                 own.map(|place| Some(estimates.scatter(place)?.0)).collect()
             })
             .collect()
+    }
+
+    /// Inner products of all columns with the structure of the residual of the model with the members at `kept`: generic functions of each
+    /// joint as random effects, in columns, under the noise of `whitener`.
+    pub(super) fn structure(&self, kept: &[usize], whitener: &Whitener) -> DMatrix<f64> {
+        let train = &self.session.logs.train;
+        let torques = torques(&self.session.model.arm, &train.rows);
+        let fixed: Vec<Column> = self.places(kept).into_iter().map(|place| self.train[place].clone()).collect();
+        let joints = (0..train.rows.dof()).into_par_iter().filter(|&joint| train.rows.valid[joint].contains(&true));
+        let effects: Vec<Column> =
+            joints.flat_map(|joint| random_effects(&train.rows, &train.torque, &fixed, &torques, joint)).collect();
+        let effects = whitener.apply_all(&effects);
+        let white = whitener.apply_all(&self.train);
+        let products: Vec<Vec<f64>> =
+            effects.par_iter().map(|effect| white.iter().map(|column| column.dot(effect)).collect()).collect();
+        DMatrix::from_fn(white.len(), effects.len(), |column, effect| products[effect][column])
+    }
+
+    /// Variances that `structure` adds to the factors of each member at `kept`, in the order of its columns.
+    pub(super) fn variances_by_structure(&self, kept: &[usize], structure: &DMatrix<f64>) -> Option<Vec<Vec<f64>>> {
+        let places = self.places(kept);
+        let covariance = self.products.covariance(&places, structure.select_rows(&places), 0.0)?;
+        let mut place = self.blocks.baseline.end;
+        let each = kept.iter().map(|&member| {
+            let own = place..place + self.blocks.members[member].all().len();
+            place = own.end;
+            own.map(|place| covariance[(place, place)]).collect()
+        });
+        Some(each.collect())
+    }
+
+    /// p-value of the factors of the law of the member at `kept[index]` under noise and `structure`, with its shapes held, by a Wald test; None
+    /// where there are too few blocks for the degrees of freedom.
+    pub(super) fn structure_p(&self, kept: &[usize], index: usize, structure: &DMatrix<f64>) -> Option<f64> {
+        let others: Vec<usize> = kept.iter().copied().filter(|&member| member != kept[index]).collect();
+        let (mut places, law) = (self.places(&others), self.law(kept[index]));
+        let own = places.len()..places.len() + law.len();
+        places.extend(law);
+        let covariance = self.products.covariance(&places, structure.select_rows(&places), 1.0)?;
+        let covariance = covariance.view((own.start, own.start), (own.len(), own.len())).into_owned();
+        let factors = self.products.estimates(&places).values.rows(own.start, own.len()).into_owned();
+        let count = own.len() as f64;
+        let statistic = factors.dot(&covariance.cholesky()?.solve(&factors)) / count;
+        let law = FisherSnedecor::new(count, self.products.freedom()?).ok()?;
+        Some(law.sf(statistic))
     }
 
     /// Strength of the member at `kept[index]` in units of what was found, with its standard deviation by the scatter between blocks and

@@ -2,13 +2,14 @@
 
 use super::fit::HeldFit;
 use crate::diagnosis::criteria::{Criteria, Gate, Judgement, Levels};
-use crate::diagnosis::evidence::{Gains, Multiplicity};
+use crate::diagnosis::evidence::{Gains, Multiplicity, family_wise};
 use crate::diagnosis::model::{Member, Session, is_level, is_shift};
 use crate::diagnosis::noise::Whitener;
 use crate::diagnosis::regression::{Column, deviation, rms};
 use crate::diagnosis::variance::{gain_over_generic_functions, torques};
 use crate::effects::{Scope, Site};
 use crate::error::Result;
+use nalgebra::DMatrix;
 use rayon::prelude::*;
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 use std::collections::HashMap;
@@ -20,6 +21,8 @@ pub(super) struct Judge<'a> {
     session: &'a Session<'a>,
     members: &'a [Member],
     fit: HeldFit<'a>,
+    /// The noise on the training logs.
+    whitener: &'a Whitener,
     /// The noise on the held-out logs.
     on_held_out: Whitener,
     /// Least size of a finding on each joint, N m.
@@ -70,7 +73,7 @@ impl<'a> Judge<'a> {
     pub(super) fn new(
         session: &'a Session<'a>,
         members: &'a [Member],
-        whitener: &Whitener,
+        whitener: &'a Whitener,
         multiplicity: &'a Multiplicity,
         any_size: &[usize],
     ) -> Result<Self> {
@@ -92,6 +95,7 @@ impl<'a> Judge<'a> {
             session,
             members,
             fit,
+            whitener,
             on_held_out,
             least,
             noise,
@@ -236,7 +240,10 @@ impl<'a> Judge<'a> {
             return 0.0;
         }
         let valid = &self.session.logs.test.rows.valid;
-        let residuals = [others, kept].map(|members| self.fit.residuals(members)[1].clone());
+        let residuals = [others, kept].map(|members| {
+            let [_, held_out] = self.fit.residuals(members);
+            held_out
+        });
         let about_zero = residuals.each_ref().map(|residual| rms(valid, residual));
         let about_mean = residuals.each_ref().map(|residual| deviation(valid, residual));
         let share = |&joint: &usize| {
@@ -269,6 +276,30 @@ impl<'a> Judge<'a> {
         self.beyond.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
+    /// Number of independent tests that the kind of a member is worth on a joint. A law on one joint says nothing against the same on another:
+    /// only what is looked at on the same joint shares the odds.
+    fn shapes(&self, member: usize) -> f64 {
+        let about = self.members[member].placed.effect.about();
+        let joints = if about.scope == Scope::Arm { 1 } else { self.least.len() };
+        (self.multiplicity.of_kind(about.name) / joints as f64).max(1.0)
+    }
+
+    /// Inner products of all columns with the structure of the residual of the model with the members at `kept`.
+    pub(super) fn structure(&self, kept: &[usize]) -> DMatrix<f64> {
+        self.fit.structure(kept, self.whitener)
+    }
+
+    /// Whether the member at `kept[index]` is more than `structure` makes of its factors. A level is no factor of a column.
+    pub(super) fn under_structure(&self, kept: &[usize], index: usize, structure: &DMatrix<f64>) -> Option<Judgement> {
+        if is_level(self.members[kept[index]].placed.effect) {
+            return None;
+        }
+        let p = self.fit.structure_p(kept, index, structure)?;
+        let of_all = family_wise(p.ln(), self.shapes(kept[index]));
+        tracing::debug!(family = ?self.members[kept[index]].candidate.family(), p, of_all, "under structure");
+        Some(Judgement::at_most(Gate::UnderStructure, of_all, self.session.criteria.levels.strict_p))
+    }
+
     /// What the member at `kept[index]` explains beyond generic functions, with the others in the model, where each of the tests that its kind
     /// is worth on a joint, its shapes, is as likely beforehand; None where the rows of that comparison are too long for its law. A few numbers from the training logs that predict most of what the held-out ones have beyond
     /// the noise are a law, too, also where generic functions that are fitted to both explain as much.
@@ -277,11 +308,7 @@ impl<'a> Judge<'a> {
         let others: Vec<usize> = kept.iter().copied().filter(|&other| other != kept[index]).collect();
         let joints = self.members[kept[index]].candidate.joints().into_iter();
         let gain = joints.map(|joint| self.gain(kept[index], &others, joint)).sum::<Option<f64>>()?;
-        let about = self.members[kept[index]].placed.effect.about();
-        // A law on one joint says nothing against the same on another: only what is looked at on the same joint shares the odds.
-        let joints = if about.scope == Scope::Arm { 1 } else { self.least.len() };
-        let shapes = (self.multiplicity.of_kind(about.name) / joints as f64).max(1.0);
-        let gained = Judgement::at_least(Gate::BeyondStructure, gain, levels.log_odds + shapes.ln());
+        let gained = Judgement::at_least(Gate::BeyondStructure, gain, levels.log_odds + self.shapes(kept[index]).ln());
         Some(gained.or(gained.passed || self.predicted(kept, &others, index) >= verdict.explained))
     }
 }

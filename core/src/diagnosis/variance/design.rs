@@ -2,7 +2,7 @@
 
 use super::kinds::{Kind, Signals};
 use crate::diagnosis::logs::Rows;
-use crate::diagnosis::regression::{Column, is_level};
+use crate::diagnosis::regression::{Column, is_constant};
 use crate::linear::{OrthonormalBasis, gram_matrix, transposed_product};
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use std::ops::Range;
@@ -42,6 +42,8 @@ pub(super) struct Design {
     pub together: usize,
     /// Whether a function of a law takes the place of the kind of constants, which has none then.
     pub constant: ConstantOfLaw,
+    /// Mean square per row of the functions of each kind, all together, with the noise made white and before any projection.
+    pub size: Vec<f64>,
 }
 
 /// Whether a law is a constant beyond the model.
@@ -208,13 +210,8 @@ impl Raw {
     /// library: that kind stays rough.
     pub(super) fn smooth(mut self, knots: f64) -> Self {
         for (_, columns) in self.kinds.iter().filter(|(kind, _)| *kind == Some(Kind::Position)) {
-            let count = columns.len();
-            let covariance =
-                DMatrix::from_fn(count, count, |i, j| (-0.5 * ((i as f64 - j as f64) / knots).powi(2)).exp());
-            let SymmetricEigen { eigenvectors, eigenvalues } = covariance.symmetric_eigen();
-            let roots = DMatrix::from_diagonal(&eigenvalues.map(|value| value.max(0.0).sqrt()));
-            let mut part = self.z.columns_mut(columns.start, count);
-            let smooth = &part * eigenvectors * roots;
+            let mut part = self.z.columns_mut(columns.start, columns.len());
+            let smooth = &part * smoothing(columns.len(), knots);
             part.copy_from(&smooth);
         }
         self
@@ -239,7 +236,11 @@ impl Raw {
         let basis = basis(&x);
         let complement = |columns: DMatrix<f64>| &columns - &basis * transposed_product(&basis, &columns);
         let y = complement(self.whitened(&DMatrix::from_columns(std::slice::from_ref(&self.y)), rho));
-        let mut z = complement(self.whitened(&self.z, rho));
+        let z = self.whitened(&self.z, rho);
+        let per_row =
+            |columns: &Range<usize>| z.columns(columns.start, columns.len()).norm_squared() / self.len().max(1) as f64;
+        let size = self.kinds.iter().map(|(_, columns)| per_row(columns)).collect();
+        let mut z = complement(z);
         let offset = z.columns(self.kinds[0].1.start, self.kinds[0].1.len()).normalize();
         for (_, columns) in self.kinds[1..].iter().filter(|(kind, _)| kind.is_some()) {
             let mut part = z.columns_mut(columns.start, columns.len());
@@ -248,13 +249,13 @@ impl Raw {
         }
         // A law that is a constant beyond the model must not share it with the kind of constants.
         let laws = self.kinds.iter().filter(|(kind, _)| kind.is_none()).flat_map(|(_, columns)| columns.clone());
-        let is_constant = |column: usize| {
+        let is_offset = |column: usize| {
             let law = z.column(column);
             offset.column(0).dot(&law).powi(2) > CONSTANT * law.norm_squared()
         };
-        let constant = match laws.clone().any(is_constant) {
+        let constant = match laws.clone().any(is_offset) {
             false => ConstantOfLaw::No,
-            true if laws.clone().all(|column| is_level(self.z.column(column).as_slice())) => ConstantOfLaw::Whole,
+            true if laws.clone().all(|column| is_constant(self.z.column(column).as_slice())) => ConstantOfLaw::Whole,
             true => ConstantOfLaw::Part,
         };
         if constant != ConstantOfLaw::No {
@@ -280,6 +281,7 @@ impl Raw {
             log: self.log.clone(),
             together: self.together,
             constant,
+            size,
         }
     }
 
@@ -296,6 +298,14 @@ impl Raw {
         }
         white
     }
+}
+
+/// Combinations of so many hats over position of which independent factors make a Gaussian process with a squared-exponential covariance
+/// over so many knots.
+pub(super) fn smoothing(hats: usize, knots: f64) -> DMatrix<f64> {
+    let covariance = DMatrix::from_fn(hats, hats, |i, j| (-0.5 * ((i as f64 - j as f64) / knots).powi(2)).exp());
+    let SymmetricEigen { eigenvectors, eigenvalues } = covariance.symmetric_eigen();
+    eigenvectors * DMatrix::from_diagonal(&eigenvalues.map(|value| value.max(0.0).sqrt()))
 }
 
 /// An orthonormal basis of the column space.

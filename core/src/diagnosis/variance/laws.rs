@@ -11,7 +11,7 @@ const FAINT: f64 = 0.01;
 
 /// Knots over position, of twelve in its range, within which smooth functions of it resemble each other: gears out of centre and hoses bend
 /// once or a few times over the range. Hats that do not resemble each other take one number each, and any smooth law would gain by that.
-const SMOOTH: [f64; 2] = [1.5, 4.0];
+pub(super) const SMOOTH: [f64; 2] = [1.5, 4.0];
 
 /// Gain of the logarithm of the restricted likelihood on one joint by the columns of a law as a random effect of their own, all other
 /// strengths estimated again with and without it. A law that replaces many generic functions by one or two numbers gains; one that

@@ -10,6 +10,7 @@ mod laws;
 mod lines;
 mod map;
 mod mixed;
+mod random_effects;
 mod sign_flips;
 
 pub use kinds::Kind;
@@ -17,3 +18,4 @@ pub(crate) use laws::gain_over_generic_functions;
 pub use lines::Line;
 pub(crate) use map::torques;
 pub use map::{JointMap, Part, ResidualMap};
+pub(crate) use random_effects::random_effects;

@@ -1,0 +1,125 @@
+//! Generic functions of one joint as random effects: the part of the errors of a model that no law explains.
+
+use super::design::{Raw, Source, smoothing};
+use super::kinds::{Kind, Signals};
+use super::laws::SMOOTH;
+use super::map::coloured_fit;
+use super::mixed::fit;
+use crate::diagnosis::logs::Rows;
+use crate::diagnosis::regression::Column;
+use nalgebra::DMatrix;
+
+/// Generic functions of `joint` over the rows, each times the standard deviation of its factor: the errors of the model there have the
+/// covariance of their sum with independent standard normal factors, and noise besides. `fixed` are the columns
+/// of the model of its `torque`, and `arm` is the torque of the arm as identified, `[joint][row]`.
+///
+/// The sizes are those that restricted maximum likelihood gives the residual, where what follows the position is as smooth as is likeliest.
+/// They hold for the part of the functions that the model cannot take, and the part that it takes is as large per function.
+pub(crate) fn random_effects(
+    rows: &Rows,
+    torque: &Column,
+    fixed: &[Column],
+    arm: &[Vec<f64>],
+    joint: usize,
+) -> Vec<Column> {
+    let source = Source { rows, torque, fixed, arm };
+    let raw = Raw::new(&source, joint);
+    let (design, rough, rho) = coloured_fit(&raw);
+    let mut best = (None, design, rough);
+    for knots in SMOOTH {
+        let design = raw.clone().smooth(knots).design(rho);
+        let smooth = fit(&design);
+        if smooth.log_likelihood > best.2.log_likelihood {
+            best = (Some(knots), design, smooth);
+        }
+    }
+    let (knots, design, fitted) = best;
+    let signals = Signals { rows: source.rows, torque: source.arm, joint };
+    let mut columns = Vec::new();
+    for (k, kind) in Kind::ALL.into_iter().enumerate() {
+        if fitted.strengths[k] == 0.0 || design.size[k] == 0.0 {
+            continue;
+        }
+        let factor = (fitted.strengths[k] / design.size[k]).sqrt();
+        let functions = signals.functions(kind);
+        let weights = match knots.filter(|_| kind == Kind::Position) {
+            Some(knots) => factor * smoothing(functions.len(), knots),
+            None => DMatrix::from_diagonal_element(functions.len(), functions.len(), factor),
+        };
+        columns
+            .extend(weights.column_iter().map(|weights| Column::on(joint, weighted(&functions, weights.as_slice()))));
+    }
+    columns
+}
+
+/// Sum of signals times weights.
+fn weighted(signals: &[Vec<f64>], weights: &[f64]) -> Vec<f64> {
+    let mut sum = vec![0.0; signals.first().map_or(0, Vec::len)];
+    for (signal, weight) in signals.iter().zip(weights).filter(|(_, weight)| **weight != 0.0) {
+        sum.iter_mut().zip(signal).for_each(|(sum, value)| *sum += weight * value);
+    }
+    sum
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::channels::Channels;
+    use crate::diagnosis::logs::FEWEST_ROWS;
+    use crate::random;
+    use crate::recording::Recording;
+    use rand_distr::{Distribution, StandardNormal};
+
+    /// Error of the factor of `cos q`, fitted alone to a torque of nothing but noise of 0.05 and `structure` in place of a smooth function of
+    /// q, and its variance by random effects.
+    fn error_and_variance(structure: f64, seed: u64) -> (f64, f64) {
+        let mut source = random::stream(seed, "random_effects", 0);
+        let mut draw = || StandardNormal.sample(&mut source);
+        let time: Vec<f64> = (0..20_000).map(|k| f64::from(k) / 500.0).collect();
+        let q: Vec<f64> = time.iter().map(|t| 1.2 * t.sin() + 0.5 * (0.37 * t).sin()).collect();
+        let log = Recording {
+            joints: vec!["a".into()],
+            q: Channels::from_vectors(&[q]),
+            tau: Channels::from_vectors(&[vec![0.0; time.len()]]),
+            time,
+            ..Default::default()
+        };
+        let rows = Rows::new(&[&log], 10.0, FEWEST_ROWS).unwrap();
+        let of_place =
+            |f: &dyn Fn(f64) -> f64| rows.signal(|log| log.motion.q.channel(0).iter().map(|&q| f(q)).collect());
+        let factors: Vec<[f64; 2]> = (0..5).map(|_| [draw(), draw()]).collect();
+        let smooth = of_place(&|q| {
+            let terms = factors.iter().zip(1..).map(|([a, b], k)| {
+                let phase = 0.9 * f64::from(k) * q;
+                (a * phase.cos() + b * phase.sin()) / f64::from(k)
+            });
+            structure * terms.sum::<f64>()
+        });
+        let torque: Vec<f64> = smooth.iter().map(|x| x + 0.05 * draw()).collect();
+        let column = Column::on(0, of_place(&f64::cos));
+        let torque = Column::on(0, torque);
+        let error = column.dot(&torque) / column.dot(&column);
+        let arm = [vec![0.0; rows.len()]];
+        let effects = random_effects(&rows, &torque, std::slice::from_ref(&column), &arm, 0);
+        let changes = effects.iter().map(|effect| (column.dot(effect) / column.dot(&column)).powi(2));
+        (error, changes.sum())
+    }
+
+    #[test]
+    fn errors_of_a_factor_under_structure_are_as_large_as_their_variance() {
+        let squares: Vec<f64> = (0..40).map(|seed| error_and_variance(0.3, seed)).map(|(e, v)| e * e / v).collect();
+        // Chi-square with 40 degrees of freedom over 40, and the errors of the strengths.
+        let mean = squares.iter().sum::<f64>() / 40.0;
+        assert!(mean > 0.4 && mean < 2.0, "{mean}");
+        assert!(squares.iter().filter(|square| **square > 9.0).count() <= 2, "{squares:?}");
+    }
+
+    #[test]
+    fn without_structure_noise_decides() {
+        for seed in 0..5 {
+            // 2000 rows of noise of 0.05: a standard deviation of the factor of about 0.0017.
+            let (_, variance) = error_and_variance(0.0, seed);
+            assert!(variance.sqrt() < 0.0035, "{seed}: {}", variance.sqrt());
+        }
+    }
+}

@@ -116,6 +116,15 @@ pub struct Parameter {
     pub typical: f64,
 }
 
+impl Parameter {
+    /// Whether it is an amplitude that has one sign only, and `value` has the other.
+    pub(crate) fn has_wrong_sign(&self, value: f64) -> bool {
+        let is_below = self.lower == 0.0 && value < 0.0;
+        let is_above = self.upper == 0.0 && value > 0.0;
+        self.role == Role::Amplitude && (is_below || is_above)
+    }
+}
+
 /// Entry of an effect in the catalogue.
 ///
 /// ```

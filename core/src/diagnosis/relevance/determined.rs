@@ -11,7 +11,7 @@ use crate::diagnosis::model::{Candidate, Member, Session, is_level, linear, shap
 use crate::diagnosis::noise::Whitener;
 use crate::diagnosis::regression::Column;
 use crate::diagnosis::search::{Found, members};
-use crate::effects::{Parameter, Role, Search};
+use crate::effects::Search;
 use crate::error::Result;
 
 /// Holds the parameters of the effects `found` that the training logs do not determine, by the scatter between their blocks; returns
@@ -91,10 +91,7 @@ fn wrong_sign(member: &Member, values: &[f64], session: &Session) -> Option<usiz
 fn surest_of_wrong_sign(member: &Member, values: &[f64]) -> Option<usize> {
     let effect = member.placed.effect;
     let amplitudes: Vec<usize> = linear(effect).into_iter().filter(|index| !member.fixed.contains(index)).collect();
-    let impossible = |index: &usize| {
-        let Parameter { role, lower, upper, .. } = effect.parameters()[*index];
-        role == Role::Amplitude && ((lower == 0.0 && values[*index] < 0.0) || (upper == 0.0 && values[*index] > 0.0))
-    };
+    let impossible = |index: &usize| effect.parameters()[*index].has_wrong_sign(values[*index]);
     let sure = |index: usize| (values[index] / member.std[index]).abs();
     let wrong = amplitudes.iter().copied().filter(impossible).max_by(|&a, &b| sure(a).total_cmp(&sure(b)));
     wrong.filter(|_| amplitudes.len() > 1)

@@ -1,24 +1,17 @@
 //! The answer in a few lines.
 
 use super::faults::fault_lines;
-use super::gravity;
+use super::findings::{MENTIONED, named, names, none, place, smaller, unexplained, values};
 use crate::diagnosis::{
-    Consequence, DataFault, Diagnosis, EXTENDED_SCENARIO, Family, Found, Gate, JointMap, LOGS_DISAGREE, Levels, Minor,
-    NamedParameter, Part, Play, ResidualMap, Resimulation, Share, Verdict,
+    Consequence, DataFault, Diagnosis, Family, JointMap, Part, ResidualMap, Resimulation, Share, Verdict,
 };
 use crate::effects;
 use crate::error::Error;
-use crate::internal::diagnosis::{NOT_SIZED, effort, finding, findings, joints, shown, with_unit};
+use crate::internal::diagnosis::{finding, findings, joints, shown, with_unit};
 use crate::quality::Kind;
-use crate::report::console::{by_joint, measured, significant, table};
+use crate::report::console::{by_joint, significant, table};
 use crate::report::payload;
 use crate::robot::{Robot, Unit};
-
-/// Effects not found, and parameters of an effect, that the lines mention.
-const MENTIONED: usize = 4;
-
-/// Smallest p-value that is printed with its size.
-const SURE: f64 = 1e-12;
 
 /// The answer in a few lines.
 pub(crate) fn lines(
@@ -48,34 +41,10 @@ pub(crate) fn lines(
     let all = findings(robot, diagnosis);
     let ahead = all.len() - diagnosis.found.len();
     lines.extend(all[..ahead].iter().map(|finding| format!("- {}", finding.explanation)));
-    for (found, finding) in diagnosis.found.iter().zip(&all[ahead..]) {
-        lines.push(format!("- {}", missed(robot, diagnosis, found)));
-        let change =
-            if finding.parameters.is_empty() { String::new() } else { values(finding.effect, &finding.parameters) };
-        let verb = match found.verdict {
-            Verdict::Unexplained => "Its best fit:",
-            _ if diagnosis.scope.against_reference => "Changed by",
-            _ => "Add to the model:",
-        };
-        let open = if finding.is_sized { String::new() } else { format!(" Note: {NOT_SIZED}.") };
-        lines.push(format!("  {verb} {change} ({EXTENDED_SCENARIO} has it). {}{open}", finding.explanation));
-        let values: Vec<f64> = finding.parameters.iter().map(|parameter| parameter.value).collect();
-        let turned = gravity::direction(robot, finding.effect, &values).filter(|_| !diagnosis.scope.against_reference);
-        lines.extend(turned.map(|text| format!("  {text}")));
-        lines.extend(of_guessed(robot, found.member.candidate.family()));
-    }
+    lines.extend(named(robot, diagnosis, &all[ahead..]));
     lines.extend(diagnosis.load.iter().flat_map(payload::weighed));
+    lines.extend(unexplained(robot, diagnosis, &all[ahead..]));
     lines.extend(smaller(robot, diagnosis));
-    for left in &diagnosis.unexplained {
-        let joint = &robot.joints[left.joint].name;
-        let percent = 100.0 * left.share;
-        let why = match diagnosis.nearest(left.joint) {
-            _ if left.structure == LOGS_DISAGREE => ": these do not agree with the training logs".to_owned(),
-            Some(minor) => nearest(robot, minor, &diagnosis.scope.criteria.levels),
-            None => format!(", and {} explains it", none(diagnosis)),
-        };
-        lines.push(format!("- {joint}: {percent:.0} % of the residual {}{why}", left.structure));
-    }
     lines.extend(where_it_lives(robot, diagnosis));
     lines.push(String::new());
     lines.push(error_table(robot, diagnosis, resimulation));
@@ -111,15 +80,6 @@ pub(crate) fn not_simulated(problem: &Error) -> String {
         "The extended model was not simulated ({problem}); the verdict and the errors above do not depend on it, and --no-resimulation \
          leaves it out."
     )
-}
-
-/// What explains nothing: all that was tried.
-fn none(diagnosis: &Diagnosis) -> String {
-    match diagnosis.scope.candidates.as_slice() {
-        _ if diagnosis.unfinished => "no effect found so far".into(),
-        [] => "no effect of the library".into(),
-        tried => format!("none of the effects tried ({})", tried.join(", ")),
-    }
 }
 
 fn headline(diagnosis: &Diagnosis, faults: &[DataFault]) -> String {
@@ -160,153 +120,6 @@ fn all_constant(diagnosis: &Diagnosis) -> bool {
             let others = found.alternatives.iter().map(|other| other.family);
             others.chain([found.member.candidate.family()]).any(is_constant)
         })
-}
-
-/// "stribeck_friction on joint_2", with the alternatives that the logs do not separate from it.
-fn names(robot: &Robot, found: &Found) -> String {
-    let families =
-        [found.member.candidate.family()].into_iter().chain(found.alternatives.iter().map(|other| other.family));
-    let names = families.map(|family| place(robot, family)).collect::<Vec<String>>().join(" or ");
-    if found.verdict != Verdict::Unexplained {
-        return names;
-    }
-    let why = found.withdrawn.map_or("explains a part only", |failed| failed.gate.reason());
-    format!("something similar to {names} (which {why})")
-}
-
-/// "joint_2 misses 4.8 N m, 9 % of its torque: stribeck_friction takes that to 0.76 N m (noise 0.75 N m)."
-fn missed(robot: &Robot, diagnosis: &Diagnosis, found: &Found) -> String {
-    let [before, after] = &found.rms;
-    let gained = |j: usize| (before[j].powi(2) - after[j].powi(2)) / diagnosis.errors.noise_floor[j].powi(2);
-    let most = |joints: Vec<usize>| joints.into_iter().max_by(|&a, &b| gained(a).total_cmp(&gained(b)));
-    // What sits in a joint is reported of that joint, unless only others gain by it; the weight of a body is felt most further in.
-    let own = Some(found.member.placed.joints()).filter(|_| !found.member.placed.effect.is_body());
-    let own = own.and_then(most).filter(|&joint| gained(joint) > 0.0);
-    let joint = own.or_else(|| most(found.member.candidate.joints())).unwrap_or(0);
-    let names = names(robot, found);
-    let chance =
-        if found.family_wise_p < SURE { "below 1e-12".to_owned() } else { format!("{:.0e}", found.family_wise_p) };
-    if let Some(play) = &found.impacts {
-        return format!("{names}: {} (chance of a false alarm {chance}).", impacts(play));
-    }
-    if let Some(log) = found.member.candidate.log {
-        let log =
-            if diagnosis.scope.against_reference { "one log".to_owned() } else { format!("training log {}", log + 1) };
-        return format!("In {log} alone, {names} acts (chance of a false alarm {chance}).");
-    }
-    let torque = diagnosis.errors.test_torque_rms[joint];
-    let share =
-        if torque > 0.0 { format!(" = {:.1} % of its torque", 100.0 * before[joint] / torque) } else { String::new() };
-    // What is taken back has no chance of its own.
-    let chance = match found.verdict {
-        Verdict::Unexplained => String::new(),
-        _ => format!("; chance of a false alarm {chance}"),
-    };
-    let takes = if after[joint] < before[joint] { "takes it to" } else { "fits the training logs, and leaves" };
-    format!(
-        "{} misses {} rms{share}: {names} {takes} {} (noise {}{chance}).",
-        robot.joints[joint].name,
-        effort(&robot.joints[joint], before[joint]),
-        effort(&robot.joints[joint], after[joint]),
-        effort(&robot.joints[joint], diagnosis.errors.noise_floor[joint])
-    )
-}
-
-/// What is said of a load or a link that holds joints at positions which nobody gave: another position has the mass elsewhere.
-fn of_guessed(robot: &Robot, family: Family) -> Option<String> {
-    effects::find(family.effect).ok().filter(|effect| effect.is_body())?;
-    let on = joints(robot, family);
-    let carried = robot.guessed.iter().filter(|(_, carrier)| on.is_empty() || on.contains(carrier));
-    let held: Vec<String> = carried.map(|(held, _)| held.clone()).collect();
-    let first = held.first()?;
-    let [carried, other, set] = match held.len() {
-        1 => ["is carried by it at an assumed position", "at another position", "that position, or set it"],
-        _ => ["are carried by it at assumed positions", "at other positions", "those positions, or set them"],
-    };
-    Some(format!(
-        "  {} {carried}. The same mass {other} would explain this too. Log {set} in a dataset ([hold] {first} = ..).",
-        held.join(", ")
-    ))
-}
-
-/// "- Not reported: 3 smaller effects, together 0.3 N m on joint_2: .. (diagnosis.json lists all)."; without "smaller" where one is refused
-/// for another reason than its size.
-fn smaller(robot: &Robot, diagnosis: &Diagnosis) -> Option<String> {
-    let count = diagnosis.minor.len();
-    let all: Vec<f64> = (0..robot.dof())
-        .map(|joint| {
-            let here = diagnosis.minor.iter().filter(|minor| minor.found.member.candidate.joints().contains(&joint));
-            here.map(|minor| minor.size[joint].powi(2)).sum::<f64>().sqrt()
-        })
-        .collect();
-    let joint = (0..all.len()).max_by(|&a, &b| all[a].total_cmp(&all[b])).filter(|_| count > 0)?;
-    let is_small = diagnosis.minor.iter().all(|minor| minor.failed.gate == Gate::Size);
-    let [smaller, plural] = [if is_small { "smaller " } else { "" }, if count == 1 { "" } else { "s" }];
-    let names: Vec<String> = diagnosis
-        .minor
-        .iter()
-        .take(MENTIONED)
-        .map(|minor| {
-            let family = minor.found.member.candidate.family();
-            format!("{} {}", place(robot, family), minor.failed.gate.reason())
-        })
-        .collect();
-    let size = effort(&robot.joints[joint], all[joint]);
-    let together = if count == 1 { "" } else { "together " };
-    Some(format!(
-        "- Not reported: {count} {smaller}effect{plural}, {together}{size} on {}: {} (diagnosis.json lists all).",
-        robot.joints[joint].name,
-        names.join("; ")
-    ))
-}
-
-/// "; the nearest law is load_dependent_friction on joint_2 (coefficient 0.05), no better than generic functions". Its standard
-/// deviations do not hold the scatter between blocks, as those of findings do: none is printed.
-fn nearest(robot: &Robot, minor: &Minor, levels: &Levels) -> String {
-    let found = finding(robot, &minor.found, &[], levels);
-    let parameters = found.parameters.iter().filter(|p| p.std.is_finite()).take(MENTIONED);
-    let values: Vec<String> =
-        parameters.map(|p| format!("{} {}", p.name, with_unit(significant(p.value), p.unit))).collect();
-    let name = place(robot, minor.found.member.candidate.family());
-    format!("; the nearest law is {name} ({}), no better than generic functions", values.join(", "))
-}
-
-/// The joint on which a smaller effect is largest over all joints on which it has torque, and its size there.
-pub(crate) fn largest(minor: &Minor) -> (usize, f64) {
-    let sizes = minor.found.member.candidate.joints().into_iter().map(|joint| (joint, minor.size[joint]));
-    sizes.max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or_default()
-}
-
-/// What shows a gear's play.
-pub(crate) fn impacts(play: &Play) -> String {
-    format!(
-        "the torque jumps within milliseconds of {} of {} changes of sign of the gear's load, which means over 20 ms do not show",
-        play.impacts, play.changes
-    )
-}
-
-/// The parameters that are printed: from the one on by which practitioners call the effect's size, else the first few. Where the logs
-/// determine none of them by itself, their values say nothing one by one, and their names are printed without.
-fn values(effect: &str, parameters: &[NamedParameter]) -> String {
-    let headline = effects::find(effect).map_or(&[][..], |effect| effect.headline());
-    let named = parameters.iter().position(|parameter| headline.contains(&parameter.name)).unwrap_or(0);
-    let shown = &parameters[named..parameters.len().min(named + MENTIONED)];
-    if shown.len() > 1 && parameters.iter().all(|parameter| !parameter.std.is_finite()) {
-        let names: Vec<&str> = parameters.iter().map(|parameter| parameter.name).collect();
-        return format!("{}, of which the logs determine combinations alone", names.join(", "));
-    }
-    let each = shown.iter().map(|p| match p.std.is_finite() {
-        true => format!("{} {}", p.name, with_unit(measured(p.value, p.std), p.unit)),
-        false => format!("{} not determined by itself (held at {})", p.name, significant(held(p.value))),
-    });
-    each.collect::<Vec<String>>().join(", ")
-}
-
-/// A value that is held, without what rounding leaves of zero.
-pub(crate) fn held(value: f64) -> f64 {
-    /// Below the smallest parameter of any law in SI units: compliances are about 1e-6 rad/(N m).
-    const ROUNDING: f64 = 1e-9;
-    if value.abs() < ROUNDING { 0.0 } else { value }
 }
 
 /// When the residual is largest where it is unexplained, for the joint on which it exceeds the noise most; and what it follows, where no
@@ -440,12 +253,6 @@ fn percent(share: Share) -> String {
     format!("{:.0} % ({:.0} to {:.0} %)", 100.0 * share.value, 100.0 * low, 100.0 * high)
 }
 
-/// An effect with its joints, in words.
-pub(crate) fn place(robot: &Robot, family: Family) -> String {
-    let joints = joints(robot, family);
-    if joints.is_empty() { family.effect.to_owned() } else { format!("{} on {}", family.effect, joints.join(" and ")) }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -458,37 +265,5 @@ mod tests {
             "{said}"
         );
         assert_eq!(said.lines().count(), 1);
-    }
-
-    #[test]
-    fn joints_held_at_assumed_positions_are_named_with_the_link_that_carries_them() {
-        let tree = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/reference/trees/two_finger.urdf");
-        let arm = crate::robot::description::read(tree.as_ref()).unwrap();
-        let joints =
-            arm.moving().into_iter().filter(|joint| !joint.name.contains("finger")).map(|joint| joint.name.clone());
-        let joints: Vec<String> = joints.collect();
-        let last = joints.len() - 1;
-        let mut choice = crate::robot::Choice { joints: Some(joints), ..Default::default() };
-        let robot = |choice: &crate::robot::Choice| arm.robot(choice, crate::robot::InertiaCheck::Ignored).unwrap();
-        let of = |robot: &Robot, effect, joint| of_guessed(robot, Family { effect, joint });
-        let guessed = robot(&choice);
-        let said = of(&guessed, "link_inertia_error", last).unwrap();
-        assert!(said.contains("finger_left_joint") && said.contains("[hold]"), "{said}");
-        assert!(of(&guessed, "payload", 0).is_some());
-        assert_eq!((of(&guessed, "link_inertia_error", 0), of(&guessed, "stribeck_friction", last)), (None, None));
-        // Where someone said how they stand, nothing is assumed.
-        choice.hold.insert("finger_left_joint".into(), 0.01);
-        assert_eq!(of(&robot(&choice), "payload", 0), None);
-    }
-    #[test]
-    fn parameters_that_are_determined_only_together_have_no_values_of_their_own() {
-        let of = |name, value, std| NamedParameter { name, joint: None, value, std, unit: "kg" };
-        let (unknown, known) = (f64::INFINITY, 0.02);
-        let said = values("link_inertia_error", &[of("dm", 1.1e-12, unknown), of("dmx", -0.127, unknown)]);
-        assert_eq!(said, "dm, dmx, of which the logs determine combinations alone");
-        let said = values("link_inertia_error", &[of("dm", 1.1e-12, unknown), of("dmx", -0.127, known)]);
-        assert_eq!(said, "dm not determined by itself (held at 0), dmx -0.127 +- 0.020 kg");
-        let said = values("link_inertia_error", &[of("dm", 1e-6, unknown)]);
-        assert_eq!(said, "dm not determined by itself (held at 1.00e-6)");
     }
 }

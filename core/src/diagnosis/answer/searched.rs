@@ -5,7 +5,7 @@ use crate::diagnosis::criteria::Gate;
 use crate::diagnosis::lack_of_fit::{Structure, mapped, unexplained};
 use crate::diagnosis::model::{DataSet, Member, Session};
 use crate::diagnosis::noise::Whitener;
-use crate::diagnosis::relevance::{Minor, are_possible, eliminate, hold_undetermined, with_scatter};
+use crate::diagnosis::relevance::{Minor, eliminate, hold_undetermined, with_scatter};
 use crate::diagnosis::search::{Found, Selection, converged, members, select, settled};
 use crate::diagnosis::variance::ResidualMap;
 use crate::diagnosis::watch::Watch;
@@ -70,11 +70,12 @@ fn those_that_matter(
     loop {
         // What is out changes the estimates of what stays, which must pass with these.
         while take_out(session, &mut selection, &mut minor, any_size)? {}
-        if fit_to_the_end(session, &mut selection.found, &mut selection.whitener)? {
-            selection.take_held_out(session)?;
+        if !fit_to_the_end(session, &mut selection.found, &mut selection.whitener)? {
+            return Ok((selection, minor));
         }
-        // Holding a parameter at the end may leave a law that no machine has.
-        if are_possible(session, &selection.found)? || !take_out(session, &mut selection, &mut minor, any_size)? {
+        selection.take_held_out(session)?;
+        // So must the last fit: a parameter that is held at the end may leave a law that no machine has, or that is next to nothing.
+        if !take_out(session, &mut selection, &mut minor, any_size)? {
             return Ok((selection, minor));
         }
     }

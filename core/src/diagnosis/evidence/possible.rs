@@ -73,14 +73,9 @@ impl Session<'_> {
     }
 
     /// Whether a machine can have a law with its parameters.
-    fn believable(&self, placed: &Placed) -> Judgement {
-        let Placed { effect, joint, parameters } = placed;
-        let over = match is_level(*effect) {
-            // At what torque a drive is cut off is its own.
-            true => 0.0,
-            false if !self.logs.train.rows.of_change() && is_of_wrong_sign(placed) => f64::INFINITY,
-            false => effect.over_limit(parameters, *joint, self.model.base.robot()),
-        };
+    fn believable(&self, Placed { effect, joint, parameters }: &Placed) -> Judgement {
+        // At what torque a drive is cut off is its own.
+        let over = if is_level(*effect) { 0.0 } else { effect.over_limit(parameters, *joint, self.model.base.robot()) };
         Judgement::at_most(Gate::Believable, over, 1.0)
     }
 
@@ -110,13 +105,6 @@ impl Session<'_> {
     }
 }
 
-/// Whether every amplitude that a law has is of a sign that it cannot have: that is another law.
-fn is_of_wrong_sign(Placed { effect, parameters, .. }: &Placed) -> bool {
-    let amplitudes = linear(*effect).into_iter().filter(|&index| parameters[index] != 0.0);
-    let mut wrong = amplitudes.map(|index| effect.parameters()[index].has_wrong_sign(parameters[index])).peekable();
-    wrong.peek().is_some() && wrong.all(|is_wrong| is_wrong)
-}
-
 /// Largest torque of a law that can have a `share` of its joint's `torque`. A wrist that carries next to nothing has the offset and the hoses
 /// of a drive that could carry more: every joint is taken to work with a minor part `of_drive`, and that much a law can have on any.
 fn largest(share: f64, torque: f64, of_drive: f64) -> f64 {
@@ -126,23 +114,6 @@ fn largest(share: f64, torque: f64, of_drive: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::effects::find;
-
-    /// On an arm whose torque follows its position a strut was named with a pull of -1606 +- 690 N m and no stiffness.
-    #[test]
-    fn a_law_of_the_wrong_sign_is_another_law() {
-        let is_wrong = |effect: &str, amplitudes: &[f64]| {
-            let mut placed = Placed::typical(find(effect).unwrap(), 0);
-            placed.parameters[..amplitudes.len()].copy_from_slice(amplitudes);
-            is_of_wrong_sign(&placed)
-        };
-        assert!(is_wrong("gravity_balancer", &[-1606.0, 0.0]) && is_wrong("gravity_balancer", &[-1.0, -1.0]));
-        // A preload below zero may be zero, where a stiffness is there.
-        assert!(!is_wrong("gravity_balancer", &[-5.0, 600.0]) && !is_wrong("gravity_balancer", &[0.0, 600.0]));
-        assert!(is_wrong("stribeck_friction", &[-0.1]) && !is_wrong("stribeck_friction", &[0.1]));
-        // Offsets go both ways.
-        assert!(!is_wrong("torque_offset", &[-0.1]));
-    }
 
     /// A hose of 1.2 N m on a wrist of 1.6 N m whose drive has 20: without it a strut was named there.
     #[test]

@@ -6,7 +6,6 @@ use crate::diagnosis::criteria::{Criteria, Gate, Judgement};
 use crate::diagnosis::evidence::Multiplicity;
 use crate::diagnosis::model::{Member, Session, is_event, is_level, shapes};
 use crate::diagnosis::noise::Whitener;
-use crate::diagnosis::regression::combined;
 use crate::diagnosis::search::{Found, members};
 use crate::error::Result;
 use rayon::prelude::*;
@@ -83,24 +82,6 @@ pub(crate) fn eliminate(
         kept.contains(&(member - 1))
     });
     Ok(minor)
-}
-
-/// Whether a machine can have all findings as they are estimated.
-///
-/// # Errors
-/// If a log is too short to differentiate.
-pub(crate) fn are_possible(session: &Session, found: &[Found]) -> Result<bool> {
-    if found.is_empty() {
-        return Ok(true);
-    }
-    let members = members(found);
-    let columns = session.model.columns(&session.logs.train, &members)?;
-    let blocks = session.blocks(&members);
-    let mut each = members.iter().zip(&blocks.members);
-    Ok(each.all(|(member, block)| {
-        let torque = combined(&columns[block.amplitudes.clone()], &member.factors);
-        session.can_be(&member.placed, &torque).passed
-    }))
 }
 
 /// Gives all findings standard deviations that hold their scatter between blocks of the training logs.

@@ -3,11 +3,11 @@
 use super::fit::HeldFit;
 use crate::diagnosis::criteria::{Criteria, Gate, Judgement, Levels};
 use crate::diagnosis::evidence::{Gains, Multiplicity, family_wise};
-use crate::diagnosis::model::{Member, Session, is_level, is_shift};
+use crate::diagnosis::model::{Member, Session, is_level, is_shift, linear};
 use crate::diagnosis::noise::Whitener;
 use crate::diagnosis::regression::{Column, deviation, rms};
 use crate::diagnosis::variance::{gain_over_generic_functions, torques};
-use crate::effects::{Scope, Site};
+use crate::effects::{Placed, Scope, Site};
 use crate::error::Result;
 use nalgebra::DMatrix;
 use rayon::prelude::*;
@@ -138,6 +138,9 @@ impl<'a> Judge<'a> {
         let relative_size = own.iter().map(relative).fold(0.0, f64::max);
         let can_be = self.session.can_be(&member.placed, self.fit.torque(kept[index]));
         let mut judgements = vec![can_be, Judgement::at_least(Gate::Size, relative_size, 1.0)];
+        if is_of_wrong_sign(member) && !self.session.logs.train.rows.of_change() {
+            judgements.insert(0, Judgement::at_most(Gate::Believable, f64::INFINITY, 1.0));
+        }
         let is_level = is_level(member.placed.effect);
         // Torque is cut off in a few rows of a few blocks, whose scatter indicates little.
         let strength = if is_level { None } else { self.fit.strength(kept, index) };
@@ -313,6 +316,14 @@ impl<'a> Judge<'a> {
     }
 }
 
+/// Whether every amplitude of a law is of a sign that it cannot have, once its parameters that the logs do not determine are held: before
+/// that, shapes on their way to these values may turn it.
+fn is_of_wrong_sign(Member { placed: Placed { effect, parameters, .. }, fixed, .. }: &Member) -> bool {
+    let amplitudes = linear(*effect).into_iter().filter(|&index| parameters[index] != 0.0);
+    let mut wrong = amplitudes.map(|index| effect.parameters()[index].has_wrong_sign(parameters[index])).peekable();
+    !fixed.is_empty() && wrong.peek().is_some() && wrong.all(|is_wrong| is_wrong)
+}
+
 /// Whether a finding explains some of the held-out residual of its own joints, by its `share`.
 fn explains_own_joints(share: f64) -> Judgement {
     Judgement::above(Gate::OwnJoint, share, 0.0)
@@ -374,7 +385,30 @@ fn own_joints(member: &Member) -> Vec<usize> {
 mod tests {
     use super::*;
     use crate::diagnosis::model::Candidate;
-    use crate::effects::{Placed, find};
+    use crate::effects::find;
+
+    /// On an arm whose torque follows its position a strut was named with a pull of -1606 +- 690 N m and no stiffness.
+    #[test]
+    fn a_law_of_the_wrong_sign_is_another_law() {
+        let is_wrong = |effect: &str, amplitudes: &[f64], fixed: &[usize]| {
+            let mut placed = Placed::typical(find(effect).unwrap(), 0);
+            placed.parameters[..amplitudes.len()].copy_from_slice(amplitudes);
+            let mut member = Member::new(&Candidate { placed, log: None, columns: Default::default() }, &[]);
+            member.placed.parameters[..amplitudes.len()].copy_from_slice(amplitudes);
+            member.fixed = fixed.to_vec();
+            is_of_wrong_sign(&member)
+        };
+        assert!(
+            is_wrong("gravity_balancer", &[-1606.0, 0.0], &[1]) && is_wrong("gravity_balancer", &[-1.0, -1.0], &[2])
+        );
+        // A preload below zero may be zero, where a stiffness is there; and while nothing is held, shapes may turn it.
+        assert!(
+            !is_wrong("gravity_balancer", &[-5.0, 600.0], &[2]) && !is_wrong("gravity_balancer", &[-1606.0, 0.0], &[])
+        );
+        assert!(is_wrong("stribeck_friction", &[-0.1], &[1]) && !is_wrong("stribeck_friction", &[0.1], &[1]));
+        // Offsets go both ways.
+        assert!(!is_wrong("torque_offset", &[-0.1], &[0]));
+    }
 
     #[test]
     fn a_share_of_what_is_beyond_the_noise() {

@@ -12,4 +12,4 @@ mod gates;
 
 pub(crate) use determined::hold_undetermined;
 pub use elimination::Minor;
-pub(crate) use elimination::{are_possible, eliminate, nearest, with_scatter};
+pub(crate) use elimination::{eliminate, nearest, with_scatter};

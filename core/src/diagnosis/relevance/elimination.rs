@@ -69,10 +69,22 @@ pub(crate) fn eliminate(
     let judge = Judge::new(session, &members, whitener, multiplicity, any_size)?;
     let mut kept: Vec<usize> = (0..members.len()).collect();
     let mut out: Vec<(usize, Judgement, Vec<f64>)> = Vec::new();
-    while let Some((index, failed, size)) = least_that_fails(&judge, &kept, &session.criteria) {
-        let member = kept.remove(index);
-        tracing::debug!(family = ?members[member].candidate.family(), ?failed, "does not matter");
-        out.push((member, failed, size));
+    let mut returned: Vec<usize> = Vec::new();
+    loop {
+        while let Some((index, failed, size)) = least_that_fails(&judge, &kept, &session.criteria) {
+            let member = kept.remove(index);
+            tracing::debug!(family = ?members[member].candidate.family(), ?failed, "does not matter");
+            out.push((member, failed, size));
+        }
+        // What was refused in view of structure, or of laws that are out by now, is asked again with those that stay, once.
+        let open = out.iter().enumerate().filter(|(_, (member, failed, _))| {
+            matches!(failed.gate, Gate::UnderStructure | Gate::BeyondStructure) && !returned.contains(member)
+        });
+        let Some((place, _)) = open.rev().find(|(_, (member, ..))| matters(&judge, &kept, *member)) else { break };
+        let (member, ..) = out.remove(place);
+        tracing::debug!(family = ?members[member].candidate.family(), "matters with those that stay");
+        returned.push(member);
+        kept.push(member);
     }
     let minor = out.into_iter().map(|(member, failed, size)| Minor { found: found[member].clone(), failed, size });
     let minor = minor.collect();
@@ -107,6 +119,15 @@ pub(crate) fn with_scatter(session: &Session, found: &mut [Found], whitener: &Wh
         found.iter_mut().zip(&scatters).for_each(|(found, scatter)| widen(&mut found.member, scatter));
     }
     Ok(())
+}
+
+/// Whether a member passes all gates with those `kept`.
+fn matters(judge: &Judge, kept: &[usize], member: usize) -> bool {
+    let with = [kept, &[member]].concat();
+    let passes = |judgement: Option<Judgement>| judgement.is_none_or(|judgement| judgement.passed);
+    judge.one(&with, kept.len()).failed().is_none()
+        && passes(judge.under_structure(&with, kept.len(), &judge.structure(&with)))
+        && passes(judge.beyond_structure(&with, kept.len()))
 }
 
 /// The finding to take out next: its place among those kept, the gate it fails and its size.

@@ -122,6 +122,11 @@ impl<'a> Judge<'a> {
         judged.map(|index| self.judged(kept, index, &with)).collect()
     }
 
+    /// Judges the member at `kept[index]`.
+    pub(super) fn one(&self, kept: &[usize], index: usize) -> Judged {
+        self.judged(kept, index, &self.fit.residuals(kept))
+    }
+
     fn judged(&self, kept: &[usize], index: usize, with: &[Column; 2]) -> Judged {
         let criteria = &self.session.criteria;
         let member = &self.members[kept[index]];

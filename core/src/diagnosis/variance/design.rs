@@ -42,7 +42,8 @@ pub(super) struct Design {
     pub together: usize,
     /// Whether a function of a law takes the place of the kind of constants, which has none then.
     pub constant: ConstantOfLaw,
-    /// Mean square per row of the functions of each kind, all together, with the noise made white and before any projection.
+    /// Mean square per row of the functions of each kind, all together, with the noise made white and before any projection; zero where the
+    /// fixed columns span them.
     pub size: Vec<f64>,
 }
 
@@ -237,10 +238,15 @@ impl Raw {
         let complement = |columns: DMatrix<f64>| &columns - &basis * transposed_product(&basis, &columns);
         let y = complement(self.whitened(&DMatrix::from_columns(std::slice::from_ref(&self.y)), rho));
         let z = self.whitened(&self.z, rho);
-        let per_row =
-            |columns: &Range<usize>| z.columns(columns.start, columns.len()).norm_squared() / self.len().max(1) as f64;
-        let size = self.kinds.iter().map(|(_, columns)| per_row(columns)).collect();
+        let rows = self.len().max(1) as f64;
+        let of_kinds = |z: &DMatrix<f64>| -> Vec<f64> {
+            self.kinds.iter().map(|(_, own)| z.columns(own.start, own.len()).norm_squared() / rows).collect()
+        };
+        let all = of_kinds(&z);
         let mut z = complement(z);
+        let is_spanned = |left: f64, all: f64| left <= ROUNDING.powi(2) * all;
+        let size = of_kinds(&z).into_iter().zip(&all).map(|(left, &all)| if is_spanned(left, all) { 0.0 } else { all });
+        let size = size.collect();
         let offset = z.columns(self.kinds[0].1.start, self.kinds[0].1.len()).normalize();
         for (_, columns) in self.kinds[1..].iter().filter(|(kind, _)| kind.is_some()) {
             let mut part = z.columns_mut(columns.start, columns.len());

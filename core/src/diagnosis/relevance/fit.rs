@@ -17,6 +17,8 @@ pub(super) struct HeldFit<'a> {
     session: &'a Session<'a>,
     /// Columns along the training logs: baseline, every member's, and last every member's torque as found.
     train: Vec<Column>,
+    /// The same under the noise.
+    white: Vec<Column>,
     /// The same along the held-out logs.
     test: Vec<Column>,
     /// Places of the columns of the baseline and of each member.
@@ -48,7 +50,7 @@ impl<'a> HeldFit<'a> {
             BlockProducts::new(&session.logs.train.rows, whitener, &white, &whitener.apply(&session.logs.train.torque));
         let torques = blocks.end()..blocks.end() + members.len();
         let described = session.model.described(&session.logs.train);
-        Ok(HeldFit { session, train, test, blocks, torques, described, products })
+        Ok(HeldFit { session, train, white, test, blocks, torques, described, products })
     }
 
     /// Places of the baseline's columns and of those of the members at `kept`.
@@ -113,10 +115,9 @@ impl<'a> HeldFit<'a> {
         let effects: Vec<Column> =
             joints.flat_map(|joint| random_effects(&train.rows, &train.torque, &fixed, &torques, joint)).collect();
         let effects = whitener.apply_all(&effects);
-        let white = whitener.apply_all(&self.train);
         let products: Vec<Vec<f64>> =
-            effects.par_iter().map(|effect| white.iter().map(|column| column.dot(effect)).collect()).collect();
-        DMatrix::from_fn(white.len(), effects.len(), |column, effect| products[effect][column])
+            effects.par_iter().map(|effect| self.white.iter().map(|column| column.dot(effect)).collect()).collect();
+        DMatrix::from_fn(self.white.len(), effects.len(), |column, effect| products[effect][column])
     }
 
     /// Variances that `structure` adds to the factors of each member at `kept`, in the order of its columns.

@@ -17,6 +17,9 @@ impl Scenario {
     }
 
     pub(super) fn parse(path: &Path, text: &str) -> Result<Self> {
+        if let Some(problem) = of_another_kind(text) {
+            return Err(Error::input(path, None, "the scenario", problem));
+        }
         let mut scenario: Scenario = toml::from_str(text).map_err(|e| Error::toml(path, text, &e))?;
         let folder = path.parent().unwrap_or(Path::new(""));
         let resolve = |file: &mut PathBuf| *file = folder.join(&*file);
@@ -26,6 +29,21 @@ impl Scenario {
         }
         validate::validate(&scenario, &Located::new(path, text))?;
         Ok(scenario)
+    }
+}
+
+/// What is said of a file that is no scenario and has another place in a command.
+fn of_another_kind(text: &str) -> Option<&'static str> {
+    let is_dataset = |line: &str| line.trim_start().starts_with("schema") && line.contains("tauscope.dataset/");
+    match text.trim_start_matches('\u{feff}').trim_start() {
+        text if text.starts_with('<') => Some(
+            "this is an XML file, as the description of a robot, and no scenario: `inspect`, `identify` and `diagnose` take it with --robot, and a \
+             scenario names it ([robot] urdf = \"...\")",
+        ),
+        text if text.lines().any(is_dataset) => {
+            Some("this is a dataset, which describes measured logs, and no scenario: give it with --dataset")
+        }
+        _ => None,
     }
 }
 

@@ -81,6 +81,32 @@ fn a_run_on_measured_logs_writes_a_report_that_can_be_sent() {
     assert!(!page.contains("NaN"));
     assert_eq!(case.path("out/recording.rrd").is_file(), cfg!(feature = "viewer"));
 
+    // A list that is too short, and a joint without a torque, are refused by name.
+    let columns = "[columns]\nq = [\"q1\", \"q2\", \"q3\", \"q4\", \"q5\", \"q6\"]\ntau = [\"tau1\"]\n";
+    let names = |quantity: &str| (1..=6).map(|joint| format!("\"{quantity}{joint}\"")).collect::<Vec<_>>().join(", ");
+    let columns = columns.replace("\"q1\", \"q2\", \"q3\", \"q4\", \"q5\", \"q6\"", &names("q"));
+    case.write("short.toml", &format!("{dataset}{columns}"));
+    let refused = |name: &str| {
+        let output = case.tauscope(&["run", "--dataset", name, "--out", "refused", "-q"]);
+        assert_eq!(output.status.code(), Some(2));
+        text(&output.stderr)
+    };
+    let said = refused("short.toml");
+    assert!(said.contains("columns.tau: a list of 1, and q is one of 6"), "{said}");
+    let log = case.read("logs/recording.csv");
+    let mut lines = log.lines().skip_while(|line| line.starts_with('#'));
+    let header: Vec<&str> = lines.next().unwrap().split(',').collect();
+    let last = header.iter().position(|name| ["tau6", "tau_joint_6", "joint_6_effort"].contains(name));
+    let last = last.unwrap_or_else(|| panic!("{header:?}"));
+    let without = |line: &str| {
+        let cells: Vec<&str> = line.split(',').collect();
+        [&cells[..last], &cells[last + 1..]].concat().join(",") + "\n"
+    };
+    case.write("lacks.csv", &std::iter::once(header.join(",").as_str()).chain(lines).map(without).collect::<String>());
+    case.write("lacks.toml", &dataset.replace("logs/recording.csv", "lacks.csv"));
+    let said = refused("lacks.toml");
+    assert!(said.contains("joint_6: no torque of it is in the training logs"), "{said}");
+
     // Where nothing is held out there is nothing to plot, and the page says so.
     assert_done(&case.tauscope(&["run", "--dataset", "alone.toml", "--out", "alone", "-q"]));
     let page = sound(&case, "alone/report.html");

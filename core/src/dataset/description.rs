@@ -63,6 +63,7 @@ impl Dataset {
             return Err(dataset.error("train", "name at least one log: [[train]] with file = \"...\""));
         }
         dataset.check_parts()?;
+        dataset.check_columns()?;
         Ok(dataset)
     }
 
@@ -97,6 +98,23 @@ impl Dataset {
             }
         }
         Ok(())
+    }
+
+    /// All lists of columns have one for each joint.
+    fn check_columns(&self) -> Result<()> {
+        let columns = &self.spec.columns;
+        let lists = [("q", &columns.q), ("qd", &columns.qd), ("qdd", &columns.qdd), ("tau", &columns.tau)];
+        let mut given = lists.into_iter().filter_map(|(key, list)| Some((key, list.as_ref()?.len())));
+        let Some((first, count)) = given.next() else { return Ok(()) };
+        match given.find(|(_, other)| *other != count) {
+            Some((key, other)) => {
+                let problem = format!(
+                    "a list of {other}, and {first} is one of {count}: give one column for each joint, in one order"
+                );
+                Err(self.error(&format!("columns.{key}"), problem))
+            }
+            None => Ok(()),
+        }
     }
 
     /// All logs with their keys, the training logs first.

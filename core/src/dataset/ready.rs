@@ -75,15 +75,16 @@ pub fn ready([train, test]: [Vec<(PathBuf, Sieved)>; 2], robot: &Robot) -> Resul
     let mut findings = Vec::new();
     let unsigned = unsigned(&reports, robot.dof());
     // Some logs in another unit, and some not, are files to convert: a dataset has one unit for all.
-    let in_one_unit = reports.iter().all(|report| position_unit(report).is_some());
+    let is_unit = |finding: &quality::Finding| finding.kind == quality::Kind::PositionUnit;
+    let in_one_unit = reports.iter().all(|report| report.findings.iter().any(is_unit));
     let mut once = Once::default();
     for (place, ((path, mut sieved), report)) in all.into_iter().zip(reports).enumerate() {
         if let Some(finding) = report.fatal() {
             let problem = format!("the log cannot be used: {}", finding.text);
             return Err(Error::input(path, None, finding.place.as_str(), problem));
         }
-        if let Some(finding) = position_unit(&report) {
-            let others = if in_one_unit { "" } else { OTHERS_DIFFER };
+        if let Some(finding) = unusable(&report) {
+            let others = if in_one_unit || !is_unit(finding) { "" } else { OTHERS_DIFFER };
             let problem = format!("the log cannot be used: {}{others}", finding.text);
             return Err(Error::input(path, None, finding.place.as_str(), problem));
         }
@@ -159,9 +160,11 @@ pub fn ready([train, test]: [Vec<(PathBuf, Sieved)>; 2], robot: &Robot) -> Resul
 const OTHERS_DIFFER: &str =
     ". Other logs show no such unit, and [units] of a dataset hold for all logs: convert this file";
 
-/// Positions whose unit is not that of the description and could not be resolved: no parameter of the arm can be right with them.
-fn position_unit(report: &quality::Report) -> Option<&quality::Finding> {
-    report.findings.iter().find(|finding| finding.kind == quality::Kind::PositionUnit)
+/// Positions whose unit is not that of the description and could not be resolved, or torques that are not those of the motion: no parameter of
+/// the arm can be right with them.
+fn unusable(report: &quality::Report) -> Option<&quality::Finding> {
+    let spoils = |kind: quality::Kind| matches!(kind, quality::Kind::PositionUnit | quality::Kind::GravityAlone);
+    report.findings.iter().find(|finding| spoils(finding.kind))
 }
 
 /// Joints whose torque lost its sign in half of the logs or more: one recorder made them all, so that what a single one seems to show is

@@ -10,7 +10,7 @@ use crate::recording::{self, Recording};
 use crate::robot::Robot;
 
 /// All kinds; the law below knows no way round the compiler for a new one.
-const ALL: [Kind; 44] = [
+const ALL: [Kind; 45] = [
     Kind::TooShort,
     Kind::CutOff,
     Kind::BadRows,
@@ -44,6 +44,7 @@ const ALL: [Kind; 44] = [
     Kind::PositionSign,
     Kind::Mounting,
     Kind::GravityCompensated,
+    Kind::GravityAlone,
     Kind::ClockFactor,
     Kind::MotorOff,
     Kind::ModelTorque,
@@ -233,6 +234,17 @@ fn fault(kind: Kind) -> (Fault, &'static str) {
             "rows at 3.9960 s",
         ),
         Kind::JointName => (Reading(|sieved| sieved.unknown_joints = vec!["tosro".into()]), "header (tosro)"),
+        Kind::GravityAlone => (
+            Signals(|log| {
+                let view = View::new(log, None).unwrap();
+                log.tau = inverse_dynamics(
+                    &Chain::new(&irb()),
+                    &irb().inertial_parameters(),
+                    &Motion::at_rest(view.q.clone()),
+                );
+            }),
+            "tau",
+        ),
         Kind::GravityCompensated => (Signals(|log| with_gravity(log, [0.0; 3])), "tau"),
         Kind::ClockFactor => (Signals(|log| log.time.iter_mut().for_each(|t| *t *= 0.625)), "t"),
         Kind::MotorOff => (Signals(|log| log.tau.channel_mut(2)[1000..1200].fill(0.0)), "tau3"),

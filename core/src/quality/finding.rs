@@ -84,6 +84,7 @@ pub enum Kind {
     PositionSign,
     Mounting,
     GravityCompensated,
+    GravityAlone,
     ClockFactor,
     MotorOff,
     ModelTorque,

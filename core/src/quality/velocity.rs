@@ -305,9 +305,26 @@ fn twin(view: &View, column: &[f64], joint: usize) -> Option<usize> {
     (0..view.dof()).filter(|&k| k != joint).find(|&k| correlation(view.qd.channel(k), column).abs() > 0.95)
 }
 
+/// Longest delays that are looked for, at every sample and in one of several, s.
+const REACH_S: [f64; 2] = [0.05, 0.25];
+
+/// One of so many samples is taken for the longer delays.
+const STEP: usize = 5;
+
 /// By how much the column comes behind the derivative, s; None within a sample and a half.
 fn delay(own: &[f64], column: &[f64], period: f64) -> Option<f64> {
-    let reach = ((0.05 / period) as usize).clamp(3, 60).min(own.len() / 4);
+    let thin = |signal: &[f64]| signal.iter().copied().step_by(STEP).collect::<Vec<f64>>();
+    match delay_within(REACH_S[0], own, column, period) {
+        Ok(delay) => delay,
+        Err(Beyond) => delay_within(REACH_S[1], &thin(own), &thin(column), STEP as f64 * period).ok().flatten(),
+    }
+}
+
+/// The best of all lags is the longest that is tried.
+struct Beyond;
+
+fn delay_within(reach_s: f64, own: &[f64], column: &[f64], period: f64) -> Result<Option<f64>, Beyond> {
+    let reach = ((reach_s / period) as usize).clamp(3, 60).min(own.len() / 4);
     let table = Channels::from_vectors(&[own.to_vec(), column.to_vec()]);
     let inner = reach..own.len() - reach;
     let like: Vec<f64> = (0..=2 * reach)
@@ -316,15 +333,15 @@ fn delay(own: &[f64], column: &[f64], period: f64) -> Option<f64> {
             correlation(&table.channel(0)[inner.clone()], shifted).abs()
         })
         .collect();
-    let best = (0..like.len()).max_by(|&a, &b| like[a].total_cmp(&like[b]))?;
+    let Some(best) = (0..like.len()).max_by(|&a, &b| like[a].total_cmp(&like[b])) else { return Ok(None) };
     // Without a maximum inside, as at constant speed, no lag shows.
     if best == 0 || best == 2 * reach {
-        return None;
+        return Err(Beyond);
     }
     let lag = best as f64 - reach as f64 + vertex(&like, best);
     let unlike = |place: usize| 1.0 - like[place].powi(2);
     // Noise and slow motion allow many lags.
-    (lag.abs() > 1.5 && unlike(best) < DELAY_EXPLAINS * unlike(reach)).then_some(lag * period)
+    Ok((lag.abs() > 1.5 && unlike(best) < DELAY_EXPLAINS * unlike(reach)).then_some(lag * period))
 }
 
 /// Place of the extremum of a parabola through a value and its neighbours, in steps from it.
@@ -340,6 +357,19 @@ pub(super) fn vertex(values: &[f64], at: usize) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_delay_beyond_a_twentieth_of_a_second_is_found() {
+        let wave = |late: f64| -> Vec<f64> {
+            let at = |k: i32| 0.004 * f64::from(k) - late;
+            (0..4000).map(|k| (1.3 * at(k)).sin() + 0.5 * (2.9 * at(k)).cos()).collect()
+        };
+        for late in [0.02, 0.1, 0.15] {
+            let found = delay(&wave(0.0), &wave(late), 0.004);
+            assert!(found.is_some_and(|found| (found - late).abs() < 1e-3), "{late}: {found:?}");
+        }
+        assert_eq!(delay(&wave(0.0), &wave(0.0), 0.004), None);
+    }
 
     #[test]
     fn a_large_factor_is_that_of_the_clock_where_true_time_is_that_of_a_log() {

@@ -27,7 +27,7 @@ pub(crate) use moving::moves_enough;
 pub use moving::{NoiseGains, Slow};
 pub use noise::{noise_floor, white_noise};
 pub(crate) use quantile::size_quantile;
-pub(crate) use quantum::{change_sizes, quantum};
+pub(crate) use quantum::{change_sizes, quantum, rounding};
 pub(crate) use savitzky_golay::half_gain_hz;
 pub(crate) use savitzky_golay::noise_share;
 pub use savitzky_golay::{Edge, SavitzkyGolay, window_by_noise};

@@ -16,6 +16,14 @@ pub(crate) fn quantum(values: &[f64]) -> Option<f64> {
     (smallest.is_finite() && size_quantile(change_sizes(values), 0.5) < COARSE * smallest).then_some(smallest)
 }
 
+/// Root mean square of the rounding error of a signal that rests between its steps, which means over samples do not make smaller; zero where
+/// noise carries most samples over a step.
+pub(crate) fn rounding(values: &[f64]) -> f64 {
+    let resting = changes(values).filter(|change| *change == 0.0).count();
+    let rests = 2 * resting > changes(values).count();
+    quantum(values).filter(|_| rests).map_or(0.0, |step| step / 12f64.sqrt())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -29,5 +37,16 @@ mod tests {
         assert!((quantum(&swing(0.02)).unwrap() - 0.02).abs() < 1e-12);
         assert_eq!(quantum(&swing(0.0015)), None);
         assert_eq!(quantum(&[1.0; 9]), None);
+    }
+
+    #[test]
+    fn a_signal_that_rests_between_steps_is_rounded() {
+        let swing = |step: f64, noise: f64| -> Vec<f64> {
+            let own = |k: i32| (0.01 * f64::from(k)).sin() + noise * (1.9 * f64::from(k * k)).sin();
+            (0..2000).map(|k| (own(k) / step).round() * step).collect()
+        };
+        assert!((rounding(&swing(0.1, 0.0)) - 0.1 / 12f64.sqrt()).abs() < 1e-9);
+        // Noise of more than a step, and a signal of many digits.
+        assert_eq!([rounding(&swing(0.1, 0.3)), rounding(&swing(1e-9, 0.0))], [0.0; 2]);
     }
 }

@@ -79,3 +79,29 @@ fn rows_in_the_reverse_order_of_time() {
     assert_eq!(output.status.code(), Some(2));
     assert!(text(&output.stderr).contains("give each recording as a file of its own"), "{}", text(&output.stderr));
 }
+
+/// A measurement file of LabVIEW: two headers, one of them a table, tabs, decimal commas and a column of comments.
+#[test]
+fn a_file_of_labview() {
+    let case = Case::new(&[]);
+    let rows = sines("", of_three);
+    let rows = rows.trim_start();
+    let plain = inspected(&case, &format!("t,q1,q2,q3,tau1,tau2,tau3\n{rows}"), &[]);
+    let each = |cell: &str| format!("\t{cell}").repeat(6);
+    let header = format!(
+        "LabVIEW Measurement\t\nWriter_Version\t2\nSeparator\tTab\nDecimal_Separator\t,\nDate\t2026/03/05\nTime\t11:59:55,004\n\
+         ***End_of_Header***\t\n\t\nChannels\t6\t\nSamples{}\t\nDate{}\t\nTime{}\t\nX_Dimension{}\t\nX0{}\t\nDelta_X{}\t\n\
+         ***End_of_Header***\t\t\t\t\t\t\t\nX_Value\tq1\tq2\tq3\ttau1\ttau2\ttau3\tComment\n",
+        each("1000"),
+        each("2026/03/05"),
+        each("11:59:55,004"),
+        each("Time"),
+        each("0,0E+0"),
+        each("0,004")
+    );
+    let rows: String = rows.lines().map(|row| row.replace(',', "\t").replace('.', ",") + "\t\n").collect();
+    let said = inspected(&case, &format!("{header}{rows}"), &[]);
+    let table = |said: &str| said.lines().filter(|line| line.starts_with(' ')).collect::<Vec<_>>().join("\n");
+    assert!(said.contains("1000 rows over 3.996 s") && !said.contains("warning"), "{said}");
+    assert_eq!(table(&said), table(&plain));
+}

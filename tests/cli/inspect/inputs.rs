@@ -96,13 +96,15 @@ fn absurd_sizes() {
 fn files_that_are_no_scenario() {
     let case = Case::new(&[]);
     case.write("empty.toml", "");
+    case.write("dataset.toml", "schema = \"tauscope.dataset/1\"\n[[train]]\nfile = \"log.csv\"\n");
     std::fs::write(case.path("binary.toml"), [0xff, 0xfe, 0]).unwrap();
     for (file, words) in [
         ("none.toml", ["none.toml", "No such file"]),
         (".", [".: cannot read the scenario", "directory"]),
         ("empty.toml", ["empty.toml:1: schema", "missing field"]),
         ("binary.toml", ["binary.toml", "UTF-8"]),
-        ("arm.urdf", ["arm.urdf:1", "expected `=`"]),
+        ("arm.urdf", ["arm.urdf: the scenario", "with --robot"]),
+        ("dataset.toml", ["dataset.toml: the scenario", "give it with --dataset"]),
     ] {
         assert_refusal(&case.tauscope(&["run", file]), &words);
         assert_refusal(&case.tauscope(&["simulate", file]), &words);

@@ -13,7 +13,7 @@ use crate::error::{Error, Result};
 use crate::identification::equal_states::States;
 use crate::identification::low_passed::BLOCK_S;
 use crate::recording::Recording;
-use crate::signal::white_noise;
+use crate::signal::{rounding, white_noise};
 use std::f64::consts::PI;
 use std::ops::Range;
 use std::sync::OnceLock;
@@ -63,12 +63,13 @@ pub struct Rows {
 }
 
 impl Rows {
-    /// White noise of the measured torque of a joint in means over so many rows, of the noisiest log, N m: what its sensor accounts for.
+    /// White noise of the measured torque of a joint in means over so many rows, or what the rounding of few digits leaves in them, of the
+    /// noisiest log, N m: what its sensor accounts for.
     pub fn sensor_noise(&self, joint: usize, rows: usize) -> f64 {
         let averaged_s = rows as f64 * BLOCK_S;
         let of_log = |log: &Log| {
             let finite: Vec<f64> = log.torque.channel(joint).iter().copied().filter(|x| x.is_finite()).collect();
-            white_noise(&finite) * (log.period / averaged_s).sqrt()
+            (white_noise(&finite) * (log.period / averaged_s).sqrt()).max(rounding(&finite))
         };
         self.logs.iter().map(of_log).fold(0.0, f64::max)
     }

@@ -269,6 +269,7 @@ fn consequence(kind: Kind, severity: Severity) -> Option<Consequence> {
         | Kind::HeldPosition
         | Kind::PositionJump
         | Kind::GravityCompensated
+        | Kind::GravityAlone
         | Kind::UnsignedTorque
         | Kind::TwoSources
         | Kind::Wrapped

@@ -9,6 +9,10 @@ use crate::diagnosis::logs::Rows;
 use crate::diagnosis::regression::Column;
 use nalgebra::DMatrix;
 
+/// Knots, of twelve over the range, within which functions of position resemble each other: those against which laws are weighed, and the
+/// whole range. What bends once or less over it is hardly seen beyond the bodies' torque, and moves their parameters most.
+const SMOOTHNESS: [f64; 3] = [SMOOTH[0], SMOOTH[1], 12.0];
+
 /// Generic functions of `joint` over the rows, each times the standard deviation of its factor: the errors of the model there have the
 /// covariance of their sum with independent standard normal factors, and noise besides. `fixed` are the columns
 /// of the model of its `torque`, and `arm` is the torque of the arm as identified, `[joint][row]`.
@@ -26,7 +30,7 @@ pub(crate) fn random_effects(
     let raw = Raw::new(&source, joint);
     let (design, rough, rho) = coloured_fit(&raw);
     let mut best = (None, design, rough);
-    for knots in SMOOTH {
+    for knots in SMOOTHNESS {
         let design = raw.clone().smooth(knots).design(rho);
         let smooth = fit(&design);
         if smooth.log_likelihood > best.2.log_likelihood {

@@ -74,8 +74,8 @@ impl Jumps {
         if let Some(&first) = self.lost.first() {
             let count = self.lost.len();
             let text = format!(
-                "{}all positions jump at once, at {count} place{}, though the clock goes on: rows are missing there, or the clock was set back and \
-                 what it repeated is left out; cut the log there, and log the time of the measurement",
+                "{}all positions jump at once, at {count} place{}, though the clock goes on: rows are missing there, recordings were joined, or \
+                 the clock was set back and what it repeated is left out; the log is cut there. Log the time of the measurement",
                 if count == 1 { "" } else { "again and again " },
                 if count == 1 { "" } else { "s" }
             );
@@ -83,6 +83,11 @@ impl Jumps {
             out.push(Finding::new(Kind::LostRows, Severity::Warning, place, text));
         }
         out
+    }
+
+    /// The first samples behind the places at which all positions jump: no motion crosses them.
+    pub(crate) fn cuts(&self) -> Vec<usize> {
+        self.lost.iter().map(|at| at + 1).collect()
     }
 
     /// The longest part of a log without a jump; none where there is no jump.
@@ -97,6 +102,11 @@ impl Jumps {
         let longest = ends.windows(2).max_by_key(|ends| ends[1] - ends[0])?;
         Some(log.slice(longest[0]..longest[1]))
     }
+}
+
+/// Whether some position of a log jumps.
+pub(crate) fn any(log: &Recording) -> bool {
+    log.q.iter().any(|q| !jumps(q).is_empty())
 }
 
 /// Samples behind which a position jumps, each with the size of the jump; none where it does again and again.

@@ -1,8 +1,10 @@
 //! The part of a log that can be used: what is no measurement is left out, and the clock is even.
 
 use super::clipped::{clipping, is_saturated};
+use super::jumps::{self, Jumps};
 use super::leave_out_unmeasured;
 use crate::error::Result;
+use crate::quality::view::View;
 use crate::recording::{Recording, resample};
 
 /// Time on either side of a clipped sample that is left out with it, s: noise hides there how much was cut off.
@@ -10,7 +12,7 @@ const AROUND_CLIPPED_S: f64 = 0.04;
 
 /// The part of a log that can be used.
 pub(crate) struct Usable {
-    /// The pieces between long gaps, at even steps; torque that must not be used is not a number there.
+    /// The pieces between long gaps and places at which all positions jump, at even steps; torque that must not be used is not a number there.
     pub pieces: Vec<Recording>,
     /// Samples of every joint's torque that are left out since it is cut off at a limit there.
     pub clipped: Vec<usize>,
@@ -24,7 +26,10 @@ pub(crate) fn usable(mut recording: Recording) -> Result<Usable> {
     leave_out_unmeasured(&mut recording)?;
     let levels: Vec<Vec<f64>> = recording.tau.iter().map(clipping_levels).collect();
     let mut clipped = vec![0; levels.len()];
-    let mut pieces = resample::pieces(recording);
+    let mut pieces = Vec::new();
+    for part in parts(recording)? {
+        pieces.extend(resample::pieces(part));
+    }
     for piece in &mut pieces {
         let around = (AROUND_CLIPPED_S * piece.rate_hz()).round() as usize;
         for (joint, levels) in levels.iter().enumerate() {
@@ -36,6 +41,21 @@ pub(crate) fn usable(mut recording: Recording) -> Result<Usable> {
         pieces.iter_mut().for_each(|piece| piece.tau.channel_mut(joint).fill(f64::NAN));
     }
     Ok(Usable { pieces, clipped })
+}
+
+/// The parts of a log between the places at which all positions jump: a filter would make accelerations of a jump that no joint has.
+fn parts(mut recording: Recording) -> Result<Vec<Recording>> {
+    resample::from_its_start(&mut recording);
+    let mut ends = match jumps::any(&recording) {
+        true => Jumps::of(&View::new(&recording, None)?).cuts(),
+        false => Vec::new(),
+    };
+    if ends.is_empty() {
+        return Ok(vec![recording]);
+    }
+    ends.push(recording.samples());
+    let starts = [0].into_iter().chain(ends.iter().copied());
+    Ok(starts.zip(&ends).map(|(start, &end)| recording.slice(start..end)).collect())
 }
 
 /// Levels at which a torque is cut off, on both sides where both extremes are the same size.
@@ -82,6 +102,29 @@ mod tests {
         };
         // At the limits in 50 % and in 97 % of the samples.
         assert_eq!([left(3.5), left(0.25)], [true, false]);
+    }
+
+    #[test]
+    fn recordings_that_were_joined_are_parted() {
+        let wave = |k: usize, joint: usize| {
+            let start = if k < 700 { 0.0 } else { 3.0 };
+            (0.05 * k as f64 + start + joint as f64).sin()
+        };
+        let table = || {
+            let channel = |joint: usize| (0..1500).map(|k| wave(k, joint)).collect();
+            crate::channels::Channels::from_vectors(&[0, 1].map(channel))
+        };
+        let log = Recording {
+            joints: vec!["a".to_owned(), "b".to_owned()],
+            // A clock that counts from 1970 begins with the log, and goes on in the second part.
+            time: (0..1500).map(|k| 1.7e9 + 0.01 * f64::from(k)).collect(),
+            q: table(),
+            tau: table(),
+            ..Recording::default()
+        };
+        let pieces = usable(log).unwrap().pieces;
+        assert_eq!(pieces.iter().map(Recording::samples).collect::<Vec<_>>(), [700, 800]);
+        assert!((pieces[1].time[0] - 7.0).abs() < 1e-6);
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! The judgement of a description: without the bodies of the arm first, then with them; then the scale of the torques.
 
+use super::at_rest;
 use super::bodies::compensation;
 use super::change::{Change, Description};
 use super::compare::compare;
@@ -76,10 +77,16 @@ pub(crate) struct Judged {
     pub verdict: Option<Verdict>,
     /// Gravity of a base that is tilted a little, in base coordinates, m/s2, where nothing else is found.
     pub tilt: Option<Vector3<f64>>,
+    /// Shares of the torques that stay unexplained along the motion and at rest, where they are those of gravity alone. Nothing else is looked
+    /// for then.
+    pub gravity_alone: Option<[f64; 2]>,
 }
 
 /// Judges the description of some logs of one arm.
 pub(crate) fn judge(views: &[&View], robot: Option<&Robot>) -> Judged {
+    if let Some(shares) = robot.and_then(|robot| at_rest::judged(views, robot)) {
+        return Judged { verdict: None, tilt: None, gravity_alone: Some(shares) };
+    }
     let mut tilt = None;
     let mut verdict = changed(views, robot, &mut tilt);
     if let (Some(verdict), Some(robot)) = (&mut verdict, robot)
@@ -88,7 +95,7 @@ pub(crate) fn judge(views: &[&View], robot: Option<&Robot>) -> Judged {
     {
         verdict.factor_bounds = bounds::of_factors(robot, &rows, &verdict.description, &verdict.factors);
     }
-    Judged { tilt: tilt.filter(|_| verdict.is_none()), verdict }
+    Judged { tilt: tilt.filter(|_| verdict.is_none()), verdict, gravity_alone: None }
 }
 
 /// What explains the logs clearly better; `tilt` is set where a search finds a base that is tilted a little.

@@ -76,7 +76,13 @@ pub fn examine_together(logs: &[&Sieved], robot: Option<&Robot>) -> Result<Toget
         judged = Descriptions::of(&views, robot);
     }
     let all: Vec<&View> = views.iter().collect();
-    let Descriptions { verdict, tilt, mut by_themselves } = judged;
+    let Descriptions { verdict, tilt, gravity_alone, mut by_themselves } = judged;
+    if let Some(shares) = gravity_alone {
+        for &log in &with_torque {
+            reports[log].findings.push(descriptions::of_gravity_alone(shares));
+        }
+        return Ok(Together { reports, verdict });
+    }
     for (place, (&log, view)) in with_torque.iter().zip(&views).enumerate() {
         let own = match by_themselves.get_mut(place) {
             Some(own) => own.take(),
@@ -158,6 +164,8 @@ struct Descriptions {
     /// Of all logs together.
     verdict: Option<Verdict>,
     tilt: Option<Vector3<f64>>,
+    /// Shares of torques that are those of gravity alone, of all logs together.
+    gravity_alone: Option<[f64; 2]>,
     /// Of each log, where all together show nothing and contradict each other; else empty.
     by_themselves: Vec<Option<Verdict>>,
 }
@@ -165,11 +173,12 @@ struct Descriptions {
 impl Descriptions {
     fn of(views: &[View], robot: Option<&Robot>) -> Descriptions {
         let all: Vec<&View> = views.iter().collect();
-        let descriptions::Judged { verdict, tilt } = descriptions::judge(&all, robot);
+        let descriptions::Judged { verdict, tilt, gravity_alone } = descriptions::judge(&all, robot);
+        let is_unknown = verdict.is_none() && gravity_alone.is_none();
         let contradict =
-            verdict.is_none() && views.len() > 1 && robot.is_none_or(|robot| descriptions::contradict(&all, robot));
+            is_unknown && views.len() > 1 && robot.is_none_or(|robot| descriptions::contradict(&all, robot));
         let of_each = all.iter().filter(|_| contradict).map(|view| descriptions::judge(&[view], robot).verdict);
-        Descriptions { by_themselves: of_each.collect(), verdict, tilt }
+        Descriptions { by_themselves: of_each.collect(), verdict, tilt, gravity_alone }
     }
 
     /// Joints whose torque lost its sign, where that looks like another fault.

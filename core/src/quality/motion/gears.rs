@@ -8,3 +8,27 @@ pub(crate) struct Gears {
     /// Whether some motors turn the other way than their joints.
     pub some_reversed: bool,
 }
+
+/// Positions up to this size may be shares of each joint's range instead, as LeRobot records them.
+const SHARES: f64 = 100.0;
+
+/// The other cause of positions that look like those before gears, by their largest.
+pub(super) fn or_shares(largest: f64) -> &'static str {
+    match largest <= SHARES {
+        true => {
+            ". Or they are shares of each joint's range from -100 to 100, as LeRobot records them: record degrees (use_degrees), or convert each \
+             joint by its calibration"
+        }
+        false => "",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::or_shares;
+
+    #[test]
+    fn positions_up_to_a_hundred_may_be_shares() {
+        assert!(or_shares(65.6).contains("LeRobot") && or_shares(100.1).is_empty());
+    }
+}

@@ -1,7 +1,7 @@
 //! Whether positions are in rad and m, or in degrees, mrad, mm or um.
 
 use super::exchange::{self, NOT_FASTER, WITHIN};
-use super::gears::Gears;
+use super::gears::{self, Gears};
 use super::summary::JointSummary;
 use crate::quality::places::grouped;
 use crate::quality::velocity;
@@ -340,7 +340,8 @@ impl PositionUnits {
                     format!(
                         "the positions are those of the motors, before gears of about {ratio:.0}: up to {largest:.1}, they are so many times too \
                          large in rad, and in no unit do they explain the torques as well. Give the gears in a dataset ([motors] gear_ratio = \
-                         {ratio:.0}, position_at = \"motor\"; torque_at = \"motor\" for torques of the motors){signs}"
+                         {ratio:.0}, position_at = \"motor\"; torque_at = \"motor\" for torques of the motors){signs}{}",
+                        gears::or_shares(largest)
                     )
                 }
                 None => {

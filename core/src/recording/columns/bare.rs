@@ -34,14 +34,30 @@ pub(super) fn meanings(header: &[String], known: &[String]) -> (Vec<Vec<Meaning>
     (all, note)
 }
 
-/// The meaning of the name of one of the robot's joints alone, or with the letter of a force before it.
+/// The meaning of the name of one of the robot's joints alone, with a unit in brackets behind it, or with the letter of a force before it.
 fn of_known(column: &str, known: &[String]) -> Option<Meaning> {
     let joint = |name: &str| known.iter().find(|own| *own == name).cloned().map(Joint::Name);
     if let Some(joint) = joint(column) {
         return Some(Meaning::new(POSITION, joint, "bare known".to_owned()));
     }
+    if let Some(symbol) = names::unit_of(column)
+        && let Some(joint) = joint(names::without_unit_of(column))
+    {
+        let (quantity, unit) = in_unit(symbol)?;
+        let current = unit.is_current();
+        return Some(Meaning {
+            unit: Some(unit),
+            current,
+            ..Meaning::new(quantity, joint, format!("bare known {quantity}"))
+        });
+    }
     let joint = joint(column.strip_prefix(OF_FORCE)?.trim_start_matches('_'))?;
     Some(Meaning::new(TORQUE, joint, "force of known".to_owned()))
+}
+
+/// The quantity that is in a unit.
+fn in_unit(symbol: &str) -> Option<(usize, Unit)> {
+    (0..QUANTITIES.len()).find_map(|quantity| Some((quantity, Unit::of(symbol, quantity)?)))
 }
 
 /// The meaning of a joint's name alone, or with a unit behind it.
@@ -57,7 +73,6 @@ fn bare(column: &str) -> Option<Meaning> {
     if !is_joint || !names::is_measured_at_joint(stem) {
         return None;
     }
-    let in_unit = |text: &str| (0..QUANTITIES.len()).find_map(|quantity| Some((quantity, Unit::of(text, quantity)?)));
     let (quantity, unit) = match unit {
         "" => (POSITION, None),
         // `rad_s` is `rad/s`.
@@ -91,6 +106,22 @@ mod tests {
         assert_eq!(of(&["t", "A1 [deg]", "tau1"]), [None, Some((0, Some("deg"))), Some((3, None))]);
         assert_eq!(of(&["t", "J1", "q1", "tau1"])[1], None);
         assert_eq!(of(&["t", "X1", "tau1", "J1 [%]"]), [None, None, Some((3, None)), None]);
+    }
+
+    #[test]
+    fn a_joint_of_the_robot_with_a_unit_is_what_the_unit_says() {
+        let [header, known] = [&["t", "E1 [mm]", "A1 [deg]", "lift (N)", "x [deg]"][..], &["E1", "A1", "lift"]]
+            .map(|names| names.iter().map(|name| (*name).to_owned()).collect::<Vec<String>>());
+        let (all, _) = meanings(&header, &known);
+        let of = |column: usize| {
+            let meaning = all[column].first()?;
+            Some((meaning.joint.clone(), meaning.quantity, meaning.unit?.symbol))
+        };
+        let joint = |name: &str| Joint::Name(name.to_owned());
+        // A track beside an arm is of the same family, whatever its unit.
+        assert_eq!([of(1), of(2)], [Some((joint("E1"), 0, "mm")), Some((joint("A1"), 0, "deg"))]);
+        assert_eq!(all[1][0].family, all[2][0].family);
+        assert_eq!([of(3), of(4)], [Some((joint("lift"), 3, "N")), None]);
     }
 
     #[test]

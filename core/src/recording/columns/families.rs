@@ -126,8 +126,12 @@ pub(super) fn any_position(meanings: &[Vec<Meaning>], names: &[String]) -> bool 
 }
 
 /// The numbers of joints that the file calls by other names than the robot does, as `joint1` to `joint6`: name -> number
-/// counted from 1. Empty unless there are `count` of them without a hole.
+/// counted from 1. Empty unless there are `count` of them without a hole; a gripper beside them has no number.
 pub(super) fn numbers_in_names(names: &[String], count: usize) -> BTreeMap<String, usize> {
+    if names.len() > count {
+        let arm: Vec<String> = without_grippers(names);
+        return if arm.len() == count { numbers_in_names(&arm, count) } else { BTreeMap::new() };
+    }
     if names.len() != count || names.is_empty() {
         return BTreeMap::new();
     }
@@ -143,6 +147,18 @@ pub(super) fn numbers_in_names(names: &[String], count: usize) -> BTreeMap<Strin
         whole.then(|| names.iter().cloned().zip(parts.into_iter().map(|(_, number)| number + 1 - lowest)).collect())
     };
     (0..places).find_map(counted).or_else(|| in_convention(names)).unwrap_or_default()
+}
+
+/// Words of the names of grippers, which logs of numbered joints hold too: `gripper_position` beside `actuators_0_position`.
+const OF_GRIPPERS: [&str; 8] = ["gripper", "grippers", "hand", "finger", "fingers", "jaw", "claw", "tool"];
+
+/// The names that are none of a gripper.
+fn without_grippers(names: &[String]) -> Vec<String> {
+    let is_of_gripper = |name: &&String| {
+        let mut words = name.split(|letter: char| !letter.is_alphabetic()).map(str::to_lowercase);
+        words.any(|word| OF_GRIPPERS.contains(&word.as_str()))
+    };
+    names.iter().filter(|name| !is_of_gripper(name)).cloned().collect()
 }
 
 /// What controllers call the joints that they do not number, in their order: those of Yaskawa with six and seven axes, and of Universal Robots.
@@ -259,8 +275,9 @@ pub(crate) fn joint_names(header: &[String], known: &[String]) -> JointNames {
     let numbered = most_named(&meanings, names::POSITION).iter().filter(is_numbered).count();
     let names = own_names(&meanings);
     // `joint1_pos` numbers a joint of a robot that calls it otherwise.
-    let in_names = numbers_in_names(&names, names.len()).len();
     let of_robot = names.iter().filter(|name| known.contains(name)).count();
+    let own = if of_robot == 0 { without_grippers(&names) } else { names.clone() };
+    let in_names = numbers_in_names(&own, own.len()).len();
     let around = around_names(&meanings, known);
     let names = match around.len() > of_robot.max(numbered) {
         true => around,
@@ -336,6 +353,18 @@ mod tests {
         assert_eq!(named("q1,q2,q3,msr_pos_head"), Vec::<String>::new());
         assert_eq!(named("q_x,q_y"), ["x", "y"]);
         assert_eq!(named("target_position_r_elbow,q_x,q_y"), ["x", "y"]);
+    }
+
+    #[test]
+    fn a_gripper_beside_numbered_joints_has_no_number() {
+        let names = list("actuators_0,actuators_1,gripper");
+        let numbers = numbers_in_names(&names, 2);
+        assert_eq!(numbers.into_values().collect::<Vec<_>>(), [1, 2]);
+        assert!(numbers_in_names(&names, 3).is_empty() && numbers_in_names(&names, 1).is_empty());
+        // Other joints without numbers may be of the arm.
+        assert!(numbers_in_names(&list("elbow,wrist_1,wrist_2"), 2).is_empty());
+        let header = list("t,actuators_0_position,actuators_1_position,gripper_position");
+        assert_eq!(joint_names(&header, &list("base,arm,finger")).numbered, 2);
     }
 
     #[test]

@@ -87,7 +87,9 @@ impl Resolver<'_> {
         if let Some((_, &column)) = found.range(count + 1..).next().filter(|_| gap.is_none()) {
             let known = if self.fixed { robot() } else { format!("there are positions of {count} joints") };
             let header = &self.header[column];
-            let of_simulator = if header.contains("qpos") {
+            let of_simulator = if highest == 2 * count {
+                "with twice as many numbers they may be a state, positions and velocities behind them: "
+            } else if header.contains("qpos") {
                 "qpos holds all bodies of a MuJoCo model, of which a free one takes 7 places here and 6 in qvel and qfrc: give the model, an .xml \
                  file, as the robot, or "
             } else {
@@ -129,7 +131,9 @@ impl Resolver<'_> {
                         "; {external} and its like are torques of contact, without those that move the arm: log the measured torques too"
                     ),
                     None if name == names::QUANTITIES[names::TORQUE].name => {
-                        format!("{CURE_OF_SIGNALS}{CURE_OF_TORQUES}")
+                        let control = self.header.iter().find(|own| own.to_lowercase().starts_with("ctrl"));
+                        let of_control = control.map_or(String::new(), |own| format!("; {own} {CURE_OF_CONTROLS}"));
+                        format!("{CURE_OF_SIGNALS}{CURE_OF_TORQUES}{of_control}")
                     }
                     None => CURE_OF_SIGNALS.to_owned(),
                 },
@@ -210,6 +214,11 @@ const CURE_OF_ENCODING: &str = "; the names are in an encoding that is not read,
 
 /// What helps where torques were not logged.
 const CURE_OF_TORQUES: &str = "; if they were not logged, log the measured torques or motor currents with the positions: without them nothing of the dynamics is known";
+
+/// What helps where a simulator's controls were logged.
+const CURE_OF_CONTROLS: &str = "and its like are controls of a simulator: those of torque motors (<motor> of MuJoCo) are torques before their gears, which \
+                                a dataset names ([columns] tau = [\"ctrl_0\", ..], [motors] gear_ratio = [..], torque_at = \"motor\"); those of \
+                                position or velocity actuators are no torques: log qfrc_actuator";
 
 /// What helps where no column of time is there.
 const CURE_OF_TIME: &str = "; without one, give the sampling rate in a dataset: rate_hz = 100 in [columns]";

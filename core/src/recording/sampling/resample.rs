@@ -149,14 +149,19 @@ const LONGEST: usize = 60_000;
 /// No log starts later on a clock that means anything to it, s.
 const LONG_AGO_S: f64 = 1e6;
 
+/// Counts time from the start of a log whose clock started long ago.
+pub(crate) fn from_its_start(recording: &mut Recording) {
+    if let Some(&first) = recording.time.first().filter(|first| first.abs() > LONG_AGO_S) {
+        recording.time.iter_mut().for_each(|t| *t -= first);
+    }
+}
+
 /// The log ready for filters that need even steps: cut where the clock leaves out more than ten steps, and at the median
 /// rate where it is irregular. No piece has more than sixty thousand samples. A clock that started long ago, as one that
 /// counts from 1970, starts with the log: what warms up does so from there, and times keep their digits. Otherwise a short log
 /// with a regular clock comes back as it is.
 pub fn pieces(mut recording: Recording) -> Vec<Recording> {
-    if let Some(&first) = recording.time.first().filter(|first| first.abs() > LONG_AGO_S) {
-        recording.time.iter_mut().for_each(|t| *t -= first);
-    }
+    from_its_start(&mut recording);
     if recording.samples() <= LONGEST {
         return even_pieces(recording);
     }

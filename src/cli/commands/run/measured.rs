@@ -20,6 +20,11 @@ use crate::study::measured;
 use crate::study::testbed::Variant;
 use std::path::Path;
 
+/// Whether no torque of a joint was measured in any log.
+fn lacks_torque(logs: &[Recording], joint: usize) -> bool {
+    logs.iter().all(|log| log.tau.channel(joint).iter().all(|torque| !torque.is_finite()))
+}
+
 /// Identifies from the data set's training logs and writes its results folder.
 pub(super) fn run(path: &Path, global: &Global) -> Result<u8> {
     let dataset = Dataset::load(path)?;
@@ -34,6 +39,11 @@ pub(super) fn run(path: &Path, global: &Global) -> Result<u8> {
     let mut robot = arm.robot;
     let Logs { train, test, mut notes, correction, torque_is_scaled, units } = dataset::ready(logs, &robot)?;
     notes.extend(robot.notes.clone());
+    if let Some(joint) = (0..robot.dof()).find(|&joint| lacks_torque(&train, joint)) {
+        let problem = "no torque of it is in the training logs, and the ways to smooth them are compared by all torques; `tauscope identify` takes \
+                       joints without";
+        return Err(Error::input(path, None, robot.joints[joint].name.as_str(), problem));
+    }
     let folder = ResultFolder::create(global.folder(&format!("run_{}", robot.name)))?;
     if let Some(description) = &correction {
         robot.gravity = description.gravity;

@@ -172,10 +172,10 @@ impl Physics {
     /// The columns of all joints under a description.
     fn columns(&self, rows: &Rows, description: &Description) -> (Vec<JointColumns>, Bounds) {
         let dof = description.dof();
-        let motion = Motion {
-            q: description.positions(&rows.motion.q),
-            qd: description.rates(&rows.motion.qd),
-            qdd: description.rates(&rows.motion.qdd),
+        let (q, speeds) = (description.positions(&rows.motion.q), description.rates(&rows.motion.qd));
+        let motion = match rows.at_rest {
+            true => Motion::at_rest(q),
+            false => Motion { q, qd: speeds.clone(), qdd: description.rates(&rows.motion.qdd) },
         };
         // Gravity of masses that a controller does not know stays in a torque that it compensates.
         let compensated = description.gravity == Vector3::zeros();
@@ -266,7 +266,7 @@ impl Physics {
                     own.extend((0..load.columns[joint].len()).map(|place| first.map(|first| first + place)));
                 }
             }
-            for (place, column) in drive_columns(motion.qd.channel(joint), &valid).into_iter().enumerate() {
+            for (place, column) in drive_columns(speeds.channel(joint), &valid).into_iter().enumerate() {
                 parameters.iter_mut().for_each(|own| own.push(Some(bounds.nonnegative.len())));
                 bounds.nonnegative.push(place > 0);
                 columns.push(column);

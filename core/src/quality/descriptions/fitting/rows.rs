@@ -55,6 +55,8 @@ pub(crate) struct Rows {
     pub measured: Vec<bool>,
     /// Root mean square of every torque channel.
     pub size: Vec<f64>,
+    /// Whether the bodies are taken at rest at every position, so that gravity alone is their torque.
+    pub at_rest: bool,
 }
 
 impl Rows {
@@ -102,6 +104,7 @@ impl Rows {
             limits: (0..dof).map(|joint| robot.map(|robot| robot.joints[joint].limits)).collect(),
             measured: tau.iter().zip(spoilt).map(|(tau, spoilt)| !spoilt && measured(tau)).collect(),
             size: tau.iter().map(root_mean_square).collect(),
+            at_rest: false,
             motion,
             tau,
             block,
@@ -130,6 +133,7 @@ impl Rows {
             limits: self.limits.clone(),
             measured: self.measured.clone(),
             size: self.size.clone(),
+            at_rest: self.at_rest,
         }
     }
 

@@ -1,6 +1,7 @@
 //! Torques from which a controller took the gravity of a model whose masses are not quite the arm's.
 
 use super::*;
+use crate::quality::Severity;
 
 /// A log from whose torques the gravity of a `known` robot is taken.
 fn compensated(mut log: Sieved, known: &Robot) -> Sieved {
@@ -101,4 +102,34 @@ fn gravity_that_is_left_is_no_clock_and_no_scale() {
         }
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+/// What a controller commands while a hand guides the arm, with the noise of a sensor.
+#[test]
+fn torques_of_gravity_alone_are_that_and_nothing_else() {
+    for (robot, seed) in [(irb(), 1), (irb(), 2), (arm("tests/reference/skew7.urdf"), 3)] {
+        let actual = scales::with_other_masses(&robot, seed);
+        let guided = |log: u64| {
+            let mut log = simulated(&actual, Oddity::None, 15.0, 40 + 10 * seed + log);
+            let mut random = random::stream(seed, "noise of torques", 0);
+            let motion = Motion::at_rest(log.recording.q.clone());
+            log.recording.tau = inverse_dynamics(&Chain::new(&actual), &actual.inertial_parameters(), &motion);
+            for joint in 0..actual.dof() {
+                let size = 5e-3 * crate::linear::root_mean_square(log.recording.tau.channel(joint));
+                log.recording.tau.channel_mut(joint).iter_mut().for_each(|tau| {
+                    let own: f64 = StandardNormal.sample(&mut random);
+                    *tau += size * own;
+                });
+            }
+            log
+        };
+        let logs = [guided(0), guided(1)];
+        let together = examine_together(&[&logs[0], &logs[1]], Some(&robot)).unwrap();
+        assert!(together.verdict.is_none());
+        for report in together.reports {
+            let warned = report.findings.iter().filter(|finding| finding.severity > Severity::Note);
+            let kinds: Vec<Kind> = warned.map(|finding| finding.kind).collect();
+            assert_eq!(kinds, [Kind::GravityAlone], "{}, {seed}: {:?}", robot.name, report.findings);
+        }
+    }
 }

@@ -152,7 +152,7 @@ fn arms() -> Vec<Robot> {
 
 fn accusations(logs: &[Sieved], robot: Option<&Robot>) -> Vec<String> {
     let together = examine_together(&logs.iter().collect::<Vec<_>>(), robot).unwrap();
-    let kinds = [Kind::TorqueUnit, Kind::UnsignedTorque, Kind::ClockFactor, Kind::Frozen];
+    let kinds = [Kind::TorqueUnit, Kind::UnsignedTorque, Kind::ClockFactor, Kind::Frozen, Kind::GravityAlone];
     let findings = together.reports.into_iter().flat_map(|report| report.findings);
     let accuses = |kind: Kind| is_description(kind) || kinds.contains(&kind);
     findings.filter(|finding| accuses(finding.kind)).map(|finding| finding.text).collect()

@@ -90,6 +90,8 @@ pub(crate) fn time(column: &str, place: usize) -> Option<Time> {
             factor = Some(1e-6);
             STAMP
         }
+        // The first column of LabVIEW's files.
+        "x_value" if place == 0 => STAMP,
         "zeit" | "temps" | "tiempo" | "tempo" | "zeitstempel" | "horodatage" => STAMP,
         "t" | "time" if factor.is_some() && unit.is_none() => STAMP,
         "t" | "time" if column.starts_with(['_', '%']) => OF_LOGGER,

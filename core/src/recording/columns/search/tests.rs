@@ -303,3 +303,20 @@ fn torques_of_contact_alone_are_named() {
     }
     assert!(!problem("t,q1,x", None).contains("contact"));
 }
+
+#[test]
+fn a_gripper_beside_numbered_joints_is_left_alone() {
+    let demand = Demand { lenient: true, ..Demand::default() };
+    let header = "t,drive_0_position,drive_1_position,gripper_position,drive_0_torque,drive_1_torque,gripper_torque";
+    let layout = search(header, demand);
+    assert_eq!((layout.q, layout.tau), (vec![1, 2], vec![4, 5]));
+    assert!(layout.understood.iter().any(|note| note.contains("numbers in their names")), "{:?}", layout.understood);
+}
+
+#[test]
+fn what_a_simulator_holds_besides_torques_is_explained() {
+    let controls = problem("t,qpos_0,qpos_1,qvel_0,qvel_1,ctrl_0,ctrl_1", Some(&["a", "b"]));
+    assert!(controls.contains("ctrl_0 and its like are controls") && controls.contains("qfrc_actuator"), "{controls}");
+    let state = problem("t,state[0],state[1],state[2],state[3],tau1,tau2", Some(&["a", "b"]));
+    assert!(state.contains("may be a state, positions and velocities behind them"), "{state}");
+}

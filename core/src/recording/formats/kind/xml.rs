@@ -18,6 +18,12 @@ pub(super) fn kind(text: &str, name: &str) -> (&'static str, String) {
             );
             ("an SDF model, the description of a robot for Gazebo", cure)
         }
+        "rob" => (
+            "a list of telegrams of KUKA's RSI",
+            "make a table of it: a row for each telegram, with columns IPOC and AIPos.A1, Torque.A1 and so on by the names of their elements \
+             and attributes"
+                .to_owned(),
+        ),
         "collada" => ("a COLLADA mesh", elsewhere()),
         "launch" => ("a ROS launch file", elsewhere()),
         "html" => {
@@ -79,6 +85,7 @@ mod tests {
             ("<mujoco model=\"r\"/>", ["MuJoCo", "give it with --robot"]),
             ("<!DOCTYPE html>\n<body/>", ["HTML", "download"]),
             ("<!DOCTYPE robot>\n<robot/>", ["a URDF", "--robot"]),
+            ("<Rob Type=\"KUKA\"><AIPos A1=\"1\"/></Rob>\n<Rob/>", ["RSI", "AIPos.A1"]),
             ("<kml/>", ["an XML file", "--robot"]),
             ("<!-- never closed", ["an XML file", "--robot"]),
         ] {

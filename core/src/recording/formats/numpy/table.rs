@@ -89,6 +89,12 @@ fn table(path: &Path, arrays: Vec<Array>) -> Result<Table> {
     let columns: &[String] =
         arrays.iter().find(|array| OF_COLUMNS.contains(&array.name.as_str())).map_or(&[], |array| &array.texts);
     let mut table = Table::default();
+    let is_position = |name: &str| {
+        let readings = names::meanings(&format!("{name}[0]"));
+        readings.first().is_some_and(|meaning| meaning.quantity == names::POSITION && !meaning.of_controller)
+    };
+    // Positions of several arms.
+    let mut several: Vec<(String, usize, usize)> = Vec::new();
     for array in &arrays {
         // One of one arm, as simulators of many have it: (time, 1, joint).
         let shape: Vec<usize> = array.shape.iter().copied().filter(|size| *size != 1).collect();
@@ -96,6 +102,10 @@ fn table(path: &Path, arrays: Vec<Array>) -> Result<Table> {
             [own] if own == rows => (1, [1, 0]),
             [own, count] if own == rows => (count, [count, 1]),
             [count, own] if own == rows => (count, [1, rows]),
+            [own, arms, joints] if own == rows => {
+                several.extend(is_position(&array.name).then(|| (array.name.clone(), arms, joints)));
+                continue;
+            }
             _ => continue,
         };
         if array.values.len() != rows * count {
@@ -115,6 +125,14 @@ fn table(path: &Path, arrays: Vec<Array>) -> Result<Table> {
             table.header.push(name);
             table.columns.push((0..rows).map(|row| array.values[row * step[0] + place * step[1]]).collect());
         }
+    }
+    let has_positions = table.header.iter().any(|name| is_position(name.split('[').next().unwrap_or_default()));
+    if let (Some((name, arms, joints)), false) = (several.first(), has_positions) {
+        let problem = format!(
+            "{rows} x {arms} x {joints} numbers, the positions of {arms} arms: save one of them, as {name}[:, 0], with its velocities and torques; \
+             others as logs of their own"
+        );
+        return Err(Error::input(path, None, name.as_str(), problem));
     }
     // The time between two rows stands in for their times.
     let step = arrays.iter().find_map(|array| match (array.values.as_slice(), step_of(&array.name)) {

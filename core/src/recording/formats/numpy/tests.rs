@@ -145,3 +145,17 @@ fn a_period_stands_in_for_times_and_names_of_columns_belong_to_one_array() {
     assert_eq!(named("rate_hz.npy", 4.0).columns[2], [0.0, 0.25, 0.5]);
     assert_eq!(named("mass.npy", 4.0).header, ["q1", "r1"]);
 }
+
+#[test]
+fn positions_of_several_arms_are_refused_with_how_to_take_one() {
+    let arrays = |shape: &str, count: usize| {
+        let values: Vec<f64> = (0..count).map(|k| k as f64).collect();
+        let npy = |shape: &str, values: &[f64]| array("'<f8'", "False", shape, &doubles(values));
+        let files = [("t.npy", npy("(4,)", &values[..4])), ("joint_pos.npy", npy(shape, &values))];
+        read(&archive(&files, usize::MAX), "log.npz")
+    };
+    let refused = arrays("(4, 3, 2)", 24).unwrap_err().to_string();
+    assert!(refused.contains("positions of 3 arms") && refused.contains("joint_pos[:, 0]"), "{refused}");
+    // One arm of one.
+    assert_eq!(arrays("(4, 1, 2)", 8).unwrap().header, ["t", "joint_pos[0]", "joint_pos[1]"]);
+}

@@ -25,7 +25,9 @@ fn lines(bytes: &[u8]) -> Vec<(usize, &[u8])> {
     let mut out = Vec::new();
     for line in bytes.split(|byte| *byte == b'\n') {
         if !line.trim_ascii().is_empty() {
-            out.push((start, line.trim_ascii_end()));
+            // Tabs at the end are cells without content.
+            let blanks = line.iter().rev().take_while(|byte| matches!(byte, b' ' | b'\r')).count();
+            out.push((start, &line[..line.len() - blanks]));
         }
         start += line.len() + 1;
         if out.len() == LINES {
@@ -38,6 +40,12 @@ fn lines(bytes: &[u8]) -> Vec<(usize, &[u8])> {
 /// The cells of a line, where it is one of numbers between separators.
 fn count(line: &[u8], separator: u8) -> usize {
     line.iter().filter(|byte| **byte == separator).count() + 1
+}
+
+/// Whether two lines have as many cells, with those without content at their ends or without.
+fn are_as_long(one: &[u8], other: &[u8], separator: u8) -> bool {
+    count(one, separator) == count(other, separator)
+        || count(one.trim_ascii_end(), separator) == count(other.trim_ascii_end(), separator)
 }
 
 /// The cells of a line as text, without quotes.
@@ -66,26 +74,31 @@ fn are_numbers_of_columns(names: &[String], below: &[String]) -> bool {
 /// of numbers below. Joins a second line below the header to it, of units, of joints or of their numbers: its cells come behind the
 /// names. Lengths stay, so that places in the file stay what they are, where no second line is joined.
 pub(super) fn blank_titles(bytes: &mut Vec<u8>) {
-    let Some((separator, width, first)) = rows(bytes) else { return };
+    let Some((separator, first)) = rows(bytes) else { return };
     let lines = lines(bytes);
-    let above: Vec<(usize, usize, bool)> =
-        lines[..first].iter().map(|(start, line)| (*start, line.len(), count(line, separator) == width)).collect();
+    let above: Vec<(usize, usize, bool)> = lines[..first]
+        .iter()
+        .map(|(start, line)| (*start, line.len(), are_as_long(line, lines[first].1, separator)))
+        .collect();
     // A program for tables fills the line of a title with separators.
     let is_title = |&(start, length): &(usize, usize)| {
         cells(&bytes[start..start + length], separator).iter().skip(1).all(String::is_empty)
     };
     let mut padded: Vec<(usize, usize)> =
         above.iter().filter(|(.., fits)| *fits).map(|&(start, len, _)| (start, len)).collect();
-    let titled = padded.iter().take_while(|line| is_title(line)).count();
+    // More lines than those of names begin with a table of other things, which ends with a title: a file of LabVIEW.
+    // The last of all lines may name an index, and looks like a title too.
+    let titled = match padded.len() > MOST_LINES {
+        true => padded[..padded.len() - 1].iter().rposition(is_title).map_or(0, |last| last + 1),
+        false => padded.iter().take_while(|line| is_title(line)).count(),
+    };
     let fits = padded.split_off(titled.min(padded.len().saturating_sub(1)));
     if fits.is_empty() || fits.len() > MOST_LINES || above.iter().rev().take(fits.len()).any(|(.., fits)| !fits) {
         return;
     }
-    let titles = above.iter().filter(|(.., fits)| !fits).map(|&(start, len, _)| (start, len));
-    for (start, length) in titles.chain(padded) {
-        bytes[start..start + length].fill(b'\r');
-    }
     let [(name_start, name_length), below @ ..] = &fits[..] else { return };
+    // Lines of separators alone go too.
+    bytes[..*name_start].iter_mut().filter(|byte| **byte != b'\n').for_each(|byte| *byte = b'\r');
     let mut names = bytes[*name_start..name_start + name_length].to_vec();
     for (start, length) in below {
         let Some(longer) = joined(&names, &bytes[*start..start + length], separator) else { return };
@@ -97,9 +110,9 @@ pub(super) fn blank_titles(bytes: &mut Vec<u8>) {
     bytes.splice(*name_start..name_start + name_length, names);
 }
 
-/// The separator, the cells of a row, and the first line of numbers among those with content; None where the rows are not alike, or
+/// The separator, and the first line of numbers among those with content; None where the rows are not alike, or
 /// begin at once.
-fn rows(bytes: &[u8]) -> Option<(u8, usize, usize)> {
+fn rows(bytes: &[u8]) -> Option<(u8, usize)> {
     let lines = lines(bytes);
     SEPARATORS.into_iter().find_map(|separator| {
         let of_numbers = |line: &[u8]| {
@@ -118,11 +131,23 @@ fn rows(bytes: &[u8]) -> Option<(u8, usize, usize)> {
             };
             of_numbers(lines[place].1) && !place.checked_sub(1).is_some_and(of_columns)
         };
-        let first = (0..lines.len()).find(is_row).filter(|first| *first > 1)?;
-        let width = count(lines[first].1, separator);
-        let alike =
-            lines[first..].iter().take(ROWS).all(|(_, line)| of_numbers(line) && count(line, separator) == width);
-        alike.then_some((separator, width, first))
+        let are_alike = |first: &usize| {
+            let mut below = lines[*first..].iter().take(ROWS);
+            below.all(|(_, line)| of_numbers(line) && are_as_long(line, lines[*first].1, separator))
+        };
+        // Single lines of numbers may be of a table above the names.
+        let is_below_names = |first: &usize| {
+            let no_number = |cell: &String| cell.is_empty() || !is_number(cell.as_bytes());
+            first.checked_sub(1).is_some_and(|above| cells(lines[above].1, separator).iter().all(no_number))
+        };
+        let mut places = (0..lines.len()).filter(is_row);
+        let earliest = places.next()?;
+        let first = match are_alike(&earliest) {
+            true => Some(earliest),
+            false => places.find(|first| is_below_names(first) && are_alike(first)),
+        };
+        let first = first.filter(|first| *first > 1)?;
+        Some((separator, first))
     })
 }
 
@@ -178,6 +203,8 @@ mod tests {
         // A title that is filled up with separators.
         let filled = format!("Run 3,,\ns,deg,Nm\nt,q1,tau1\n{rows}");
         assert_eq!(read(&filled), format!("\nt [s],q1 [deg],tau1 [Nm]\n\n{rows}"));
+        let all = format!("Run 3,,\nsignal,position,effort\njoint,elbow,elbow\ntime,,\n{rows}");
+        assert_eq!(read(&all), format!("\ntime,position/elbow,effort/elbow\n\n\n{rows}"));
         let two = format!("time,position,effort\n,elbow,elbow\n{rows}");
         assert_eq!(read(&two), format!("time,position/elbow,effort/elbow\n\n{rows}"));
         let three = format!(",position,effort\n,elbow,elbow\ntime,,\n{rows}");
@@ -190,6 +217,15 @@ mod tests {
         {
             assert_eq!(read(&text), text);
         }
+    }
+
+    #[test]
+    fn a_table_above_the_names_ends_with_a_title() {
+        let rows = "0\t1\t2\t\n1\t2\t3\t\n2\t3\t4\t\n";
+        let own =
+            "Channels\t2\nSamples\t3\t3\t\nDate\t2026/03/05\t2026/03/05\t\nX_Dimension\tTime\tTime\t\nX0\t0\t0\t\n";
+        let text = format!("LabVIEW Measurement\t\n{own}***End_of_Header***\t\t\t\nX_Value\tq1\ttau1\tComment\n{rows}");
+        assert_eq!(read(&text).trim_start(), format!("X_Value\tq1\ttau1\tComment\n{rows}"));
     }
 
     #[test]

@@ -42,9 +42,8 @@ pub(super) struct Design {
     pub together: usize,
     /// Whether a function of a law takes the place of the kind of constants, which has none then.
     pub constant: ConstantOfLaw,
-    /// Mean square per row of the functions of each kind, all together, with the noise made white and before any projection; zero where the
-    /// fixed columns span them.
-    pub size: Vec<f64>,
+    /// Mean square per row of each function, with the noise made white: before and after the fixed columns are projected out.
+    pub squares: Vec<[f64; 2]>,
 }
 
 /// Whether a law is a constant beyond the model.
@@ -239,14 +238,11 @@ impl Raw {
         let y = complement(self.whitened(&DMatrix::from_columns(std::slice::from_ref(&self.y)), rho));
         let z = self.whitened(&self.z, rho);
         let rows = self.len().max(1) as f64;
-        let of_kinds = |z: &DMatrix<f64>| -> Vec<f64> {
-            self.kinds.iter().map(|(_, own)| z.columns(own.start, own.len()).norm_squared() / rows).collect()
-        };
-        let all = of_kinds(&z);
+        let squares =
+            |z: &DMatrix<f64>| z.column_iter().map(|column| column.norm_squared() / rows).collect::<Vec<f64>>();
+        let all = squares(&z);
         let mut z = complement(z);
-        let is_spanned = |left: f64, all: f64| left <= ROUNDING.powi(2) * all;
-        let size = of_kinds(&z).into_iter().zip(&all).map(|(left, &all)| if is_spanned(left, all) { 0.0 } else { all });
-        let size = size.collect();
+        let squares = all.into_iter().zip(squares(&z)).map(|(all, left)| [all, left]).collect();
         let offset = z.columns(self.kinds[0].1.start, self.kinds[0].1.len()).normalize();
         for (_, columns) in self.kinds[1..].iter().filter(|(kind, _)| kind.is_some()) {
             let mut part = z.columns_mut(columns.start, columns.len());
@@ -287,7 +283,7 @@ impl Raw {
             log: self.log.clone(),
             together: self.together,
             constant,
-            size,
+            squares,
         }
     }
 

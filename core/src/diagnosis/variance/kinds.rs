@@ -78,6 +78,21 @@ impl Kind {
         Kind::LoadOverTime,
     ];
 
+    /// Whether it is of the joint's own state, so that it is the same each time the joint comes by. What goes with time, a lag or other joints
+    /// differs from block to block of a log.
+    pub(super) fn repeats(self) -> bool {
+        match self {
+            Kind::Offset
+            | Kind::Position
+            | Kind::PositionByDirection
+            | Kind::Speed
+            | Kind::Load
+            | Kind::LoadByDirection
+            | Kind::Reversal => true,
+            Kind::Lag | Kind::OtherJoints | Kind::SlowTime | Kind::FrictionOverTime | Kind::LoadOverTime => false,
+        }
+    }
+
     /// What the residual follows, as the heading of a table.
     pub fn title(self) -> &'static str {
         match self {

@@ -194,7 +194,7 @@ pub(super) mod tests {
             log: vec![0; rows],
             together: 4,
             constant: ConstantOfLaw::No,
-            size: vec![1.0; 2],
+            squares: vec![[1.0; 2]; 12],
         }
     }
 

@@ -9,9 +9,16 @@ use crate::diagnosis::logs::Rows;
 use crate::diagnosis::regression::Column;
 use nalgebra::DMatrix;
 
+/// Share of a function's square that the model takes from which it is left out: it is one of the model's own columns, as a constant is an
+/// offset, and a law must not be tested against itself.
+const TAKEN: f64 = 0.9;
+
 /// Generic functions of `joint` over the rows, each times the standard deviation of its factor: the errors of the model there have the
 /// covariance of their sum with independent standard normal factors, and noise besides. `fixed` are the columns
 /// of the model of its `torque`, and `arm` is the torque of the arm as identified, `[joint][row]`.
+///
+/// Functions of the joint's own state alone are among them, since blocks of the logs agree on the errors that these make: what differs from
+/// block to block is in the scatter between blocks, and slow noise, in which restricted maximum likelihood finds all kinds, is in the noise.
 ///
 /// The sizes are those that restricted maximum likelihood gives the residual, where what follows the position is as smooth as is likeliest.
 /// They hold for the part of the functions that the model cannot take, and the part that it takes is as large per function.
@@ -36,18 +43,25 @@ pub(crate) fn random_effects(
     let (knots, design, fitted) = best;
     let signals = Signals { rows: source.rows, torque: source.arm, joint };
     let mut columns = Vec::new();
-    for (k, kind) in Kind::ALL.into_iter().enumerate() {
-        if fitted.strengths[k] == 0.0 || design.size[k] == 0.0 {
+    for (k, (kind, own)) in design.kinds.iter().enumerate() {
+        let Some(kind) = kind.filter(|kind| kind.repeats() && fitted.strengths[k] > 0.0) else { continue };
+        let smooth = knots.filter(|_| kind == Kind::Position);
+        let [all, left] = [0, 1].map(|side| own.clone().map(|place| design.squares[place][side]).collect::<Vec<f64>>());
+        // Functions that are mixed are of one kind of smoothness: what is seen of some holds for all.
+        let stays: Vec<bool> =
+            all.iter().zip(&left).map(|(all, left)| smooth.is_some() || *left > (1.0 - TAKEN) * all).collect();
+        let size: f64 = all.iter().zip(&stays).filter(|(_, stays)| **stays).map(|(all, _)| all).sum();
+        if size == 0.0 {
             continue;
         }
-        let factor = (fitted.strengths[k] / design.size[k]).sqrt();
+        let factor = (fitted.strengths[k] / size).sqrt();
         let functions = signals.functions(kind);
-        let weights = match knots.filter(|_| kind == Kind::Position) {
+        let weights = match smooth {
             Some(knots) => factor * smoothing(functions.len(), knots),
             None => DMatrix::from_diagonal_element(functions.len(), functions.len(), factor),
         };
-        columns
-            .extend(weights.column_iter().map(|weights| Column::on(joint, weighted(&functions, weights.as_slice()))));
+        let kept = weights.column_iter().zip(stays).filter(|(_, stays)| *stays);
+        columns.extend(kept.map(|(weights, _)| Column::on(joint, weighted(&functions, weights.as_slice()))));
     }
     columns
 }

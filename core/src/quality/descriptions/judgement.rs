@@ -1,7 +1,6 @@
 //! The judgement of a description: without the bodies of the arm first, then with them; then the scale of the torques.
 
-use super::at_rest;
-use super::bodies::compensation;
+use super::bodies::{at_rest, compensation};
 use super::change::{Change, Description};
 use super::compare::compare;
 use super::fitting::{Fit, Friction, Physics, Rows};

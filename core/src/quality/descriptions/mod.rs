@@ -12,7 +12,6 @@
 //! | whether torques are of another scale, and wrong besides | `scales` |
 //! | which direction of gravity needs no drive to carry weights | `weights` |
 //! | which way friction acts, without a model | `jumps` |
-//! | whether torques are those of gravity alone | `at_rest` |
 //! | changes that have a size: gravity, scales, zeros | `sizes` |
 //! | what the described bodies indicate about the residual | `bodies` |
 //! | whether a torque lost its sign on the way | `lost_signs` |
@@ -22,7 +21,6 @@
 //! | whether factors are the gears of the robot's file | `file_gears` |
 //! | texts | `findings` |
 
-mod at_rest;
 mod bodies;
 mod change;
 mod compare;
@@ -43,7 +41,7 @@ mod tried;
 mod verdict;
 mod weights;
 
-pub(super) use at_rest::finding as of_gravity_alone;
+pub(super) use bodies::at_rest::finding as of_gravity_alone;
 pub(super) use bodies::finding as of_another_robot;
 pub use change::{Change, Description};
 pub(super) use contradiction::contradict;

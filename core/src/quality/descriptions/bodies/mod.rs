@@ -2,10 +2,12 @@
 //!
 //! | question | module |
 //! |---|---|
+//! | whether torques are those of gravity alone | `at_rest` |
 //! | whether the log is of another robot | `disagreement` |
 //! | whether the lengths of the arm are not those of the file | `lengths` |
 //! | whether a controller takes off the gravity of the described bodies | `compensation` |
 
+pub(super) mod at_rest;
 pub(super) mod compensation;
 mod disagreement;
 mod lengths;

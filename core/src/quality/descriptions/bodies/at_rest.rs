@@ -3,18 +3,18 @@
 //! They are commanded while a hand guides the arm, or logged by a controller in the place of measured ones. Inertia and friction are not in
 //! them, so that no description of the motion explains them, and a search would name the one that comes nearest.
 
-use super::change::Description;
-use super::compare::{EXPLAINED, compare};
-use super::fitting::{Physics, Rows};
-use super::shares::WRONG_MASSES;
-use super::tried::Tried;
+use super::super::change::Description;
+use super::super::compare::{EXPLAINED, compare};
+use super::super::fitting::{Physics, Rows};
+use super::super::shares::WRONG_MASSES;
+use super::super::tried::Tried;
 use crate::quality::finding::{Finding, Kind, Severity};
 use crate::quality::view::View;
 use crate::robot::Robot;
 
 /// Shares of the torques that free bodies leave unexplained along the motion and at rest, where the torques of some logs are those of gravity
 /// alone. Slow logs, in which both explain them, are not.
-pub(super) fn judged(views: &[&View], robot: &Robot) -> Option<[f64; 2]> {
+pub(in super::super) fn judged(views: &[&View], robot: &Robot) -> Option<[f64; 2]> {
     let rows = Rows::new(views, Some(robot)).filter(|_| robot.gravity.norm() > 0.0)?;
     let start = Description::as_given(robot.dof(), robot.gravity);
     let free = Physics::free(robot);
@@ -32,7 +32,7 @@ pub(super) fn judged(views: &[&View], robot: &Robot) -> Option<[f64; 2]> {
 
 /// What is said of torques that are those of gravity alone.
 pub(crate) fn finding([moving, still]: [f64; 2]) -> Finding {
-    let [still, moving] = super::findings::apart(still, moving);
+    let [still, moving] = super::super::findings::apart(still, moving);
     let text = format!(
         "the torques are those of gravity alone: without the inertia of this motion {still} of them stays unexplained on parts held out, and with \
          it {moving}. They are computed by a controller, as while a hand guides the arm, and are not those that make this motion; log measured torques or \

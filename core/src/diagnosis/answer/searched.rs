@@ -3,7 +3,7 @@
 use crate::diagnosis::Options;
 use crate::diagnosis::criteria::Gate;
 use crate::diagnosis::lack_of_fit::{Structure, mapped, unexplained};
-use crate::diagnosis::model::{DataSet, Member, Session};
+use crate::diagnosis::model::{DataSet, Member, Session, Slot};
 use crate::diagnosis::noise::Whitener;
 use crate::diagnosis::relevance::{Minor, eliminate, hold_undetermined, with_scatter};
 use crate::diagnosis::search::{Found, Selection, converged, members, select, settled};
@@ -139,12 +139,17 @@ impl Searched {
             minor.extend(too_small);
             return Ok(Searched { selection, minor, structure, map });
         }
+        let before: Vec<Slot> = selection.found.iter().map(|found| found.member.candidate.slot()).collect();
         let mut again = selection;
         again.found.extend(too_small.into_iter().map(|minor| minor.found));
         again.settle(session)?;
         let (selection, more) = those_that_matter(session, again, &joints)?;
         minor.extend(more);
-        let (structure, map) = left(session, &selection, options, ended)?;
+        // Where all of them are out again the model is what it was, and so is what it leaves.
+        let (structure, map) = match selection.found.iter().map(|found| found.member.candidate.slot()).eq(before) {
+            true => (structure, map),
+            false => left(session, &selection, options, ended)?,
+        };
         Ok(Searched { selection, minor, structure, map })
     }
 }

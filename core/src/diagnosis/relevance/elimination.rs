@@ -107,7 +107,7 @@ pub(crate) fn with_scatter(session: &Session, found: &mut [Found], whitener: &Wh
     let members = members(found);
     let fit = HeldFit::new(session, &members, whitener)?;
     let all: Vec<usize> = (0..found.len()).collect();
-    let by_structure = fit.variances_by_structure(&all, &fit.structure(&all, whitener));
+    let by_structure = fit.variances_by_structure(&all, &fit.structure(&all));
     for (found, variances) in found.iter_mut().zip(by_structure.iter().flatten()) {
         let noise = &found.member.std;
         let together = |(index, variance): (usize, &f64)| noise[index].hypot(variance.sqrt());

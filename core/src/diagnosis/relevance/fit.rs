@@ -9,7 +9,9 @@ use crate::error::Result;
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
+use std::collections::HashMap;
 use std::ops::Range;
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
 /// Columns of a model along the training and the held-out logs.
 #[derive(Debug)]
@@ -28,14 +30,23 @@ pub(super) struct HeldFit<'a> {
     /// What the description says of the baseline's parameters.
     described: Vec<Described>,
     products: BlockProducts,
+    /// The noise on the training logs.
+    whitener: &'a Whitener,
+    /// Torque of the arm along the training logs, `[joint][row]`, N m, once it is asked for.
+    of_arm: OnceLock<Vec<Vec<f64>>>,
+    /// Inner products with the structure of a joint, as far as they were worked out: an elimination on one joint leaves those of the others.
+    of_structure: Mutex<HashMap<ModelOfJoint, Arc<Vec<Vec<f64>>>>>,
 }
+
+/// A joint and the places of the columns of a model that have torque there.
+type ModelOfJoint = (usize, Vec<usize>);
 
 impl<'a> HeldFit<'a> {
     /// The model with `members` under the noise of `whitener`.
     ///
     /// # Errors
     /// If a log is too short to differentiate.
-    pub(super) fn new(session: &'a Session<'a>, members: &[Member], whitener: &Whitener) -> Result<Self> {
+    pub(super) fn new(session: &'a Session<'a>, members: &[Member], whitener: &'a Whitener) -> Result<Self> {
         let blocks = session.blocks(members);
         let with_torques = |data: &DataSet| -> Result<Vec<Column>> {
             let mut columns = session.model.columns(data, members)?;
@@ -50,7 +61,19 @@ impl<'a> HeldFit<'a> {
             BlockProducts::new(&session.logs.train.rows, whitener, &white, &whitener.apply(&session.logs.train.torque));
         let torques = blocks.end()..blocks.end() + members.len();
         let described = session.model.described(&session.logs.train);
-        Ok(HeldFit { session, train, white, test, blocks, torques, described, products })
+        Ok(HeldFit {
+            session,
+            train,
+            white,
+            test,
+            blocks,
+            torques,
+            described,
+            products,
+            whitener,
+            of_arm: OnceLock::new(),
+            of_structure: Mutex::default(),
+        })
     }
 
     /// Places of the baseline's columns and of those of the members at `kept`.
@@ -106,18 +129,35 @@ impl<'a> HeldFit<'a> {
     }
 
     /// Inner products of all columns with the structure of the residual of the model with the members at `kept`: generic functions of each
-    /// joint as random effects, in columns, under the noise of `whitener`.
-    pub(super) fn structure(&self, kept: &[usize], whitener: &Whitener) -> DMatrix<f64> {
+    /// joint as random effects, in columns.
+    pub(super) fn structure(&self, kept: &[usize]) -> DMatrix<f64> {
+        let rows = &self.session.logs.train.rows;
+        let places = self.places(kept);
+        let joints = (0..rows.dof()).into_par_iter().filter(|&joint| rows.valid[joint].contains(&true));
+        let each: Vec<Arc<Vec<Vec<f64>>>> = joints.map(|joint| self.structure_on(joint, &places)).collect();
+        let products: Vec<&Vec<f64>> = each.iter().flat_map(|products| products.iter()).collect();
+        DMatrix::from_fn(self.white.len(), products.len(), |column, effect| products[effect][column])
+    }
+
+    /// The same on one joint, `[effect][column]`, of the model with the columns at `places`.
+    fn structure_on(&self, joint: usize, places: &[usize]) -> Arc<Vec<Vec<f64>>> {
+        let has_torque = |place: &usize| self.train[*place].part(joint).is_some();
+        let model: ModelOfJoint = (joint, places.iter().copied().filter(has_torque).collect());
+        if let Some(known) = self.known_structure().get(&model) {
+            return known.clone();
+        }
         let train = &self.session.logs.train;
-        let torques = torques(&self.session.model.arm, &train.rows);
-        let fixed: Vec<Column> = self.places(kept).into_iter().map(|place| self.train[place].clone()).collect();
-        let joints = (0..train.rows.dof()).into_par_iter().filter(|&joint| train.rows.valid[joint].contains(&true));
-        let effects: Vec<Column> =
-            joints.flat_map(|joint| random_effects(&train.rows, &train.torque, &fixed, &torques, joint)).collect();
-        let effects = whitener.apply_all(&effects);
-        let products: Vec<Vec<f64>> =
-            effects.par_iter().map(|effect| self.white.iter().map(|column| column.dot(effect)).collect()).collect();
-        DMatrix::from_fn(self.white.len(), effects.len(), |column, effect| products[effect][column])
+        let of_arm = self.of_arm.get_or_init(|| torques(&self.session.model.arm, &train.rows));
+        let fixed: Vec<Column> = model.1.iter().map(|&place| self.train[place].clone()).collect();
+        let effects = self.whitener.apply_all(&random_effects(&train.rows, &train.torque, &fixed, of_arm, joint));
+        let products = |effect: &Column| self.white.iter().map(|column| column.dot(effect)).collect();
+        let products: Arc<Vec<Vec<f64>>> = Arc::new(effects.iter().map(products).collect());
+        self.known_structure().insert(model, products.clone());
+        products
+    }
+
+    fn known_structure(&self) -> MutexGuard<'_, HashMap<ModelOfJoint, Arc<Vec<Vec<f64>>>>> {
+        self.of_structure.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// Variances that `structure` adds to the factors of each member at `kept`, in the order of its columns.

@@ -21,8 +21,6 @@ pub(super) struct Judge<'a> {
     session: &'a Session<'a>,
     members: &'a [Member],
     fit: HeldFit<'a>,
-    /// The noise on the training logs.
-    whitener: &'a Whitener,
     /// The noise on the held-out logs.
     on_held_out: Whitener,
     /// Least size of a finding on each joint, N m.
@@ -95,7 +93,6 @@ impl<'a> Judge<'a> {
             session,
             members,
             fit,
-            whitener,
             on_held_out,
             least,
             noise,
@@ -294,7 +291,7 @@ impl<'a> Judge<'a> {
 
     /// Inner products of all columns with the structure of the residual of the model with the members at `kept`.
     pub(super) fn structure(&self, kept: &[usize]) -> DMatrix<f64> {
-        self.fit.structure(kept, self.whitener)
+        self.fit.structure(kept)
     }
 
     /// Whether the member at `kept[index]` is more than `structure` makes of its factors. A level is no factor of a column.

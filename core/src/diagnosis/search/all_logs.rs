@@ -49,7 +49,8 @@ pub(super) fn search(
             true => sizes.standing(judged, level <= options.alpha),
             false => Standing::NotAsked,
         };
-        let contenders = Contenders::new(&round.scan, &known, &refused, multiplicity, standing);
+        let contenders =
+            Contenders::new(&round.scan, &known, (&refused, &session.criteria.levels), multiplicity, standing);
         let level = contenders.level;
         if contenders.best.is_empty() || level > options.alpha {
             rejected.extend(contenders.not_significant(options.alpha));
@@ -72,7 +73,7 @@ pub(super) fn search(
                 round.renew(&[], &mut all_logs, &mut known, options)?;
             }
             Outcome::Refused(Refusal { may_be, failed, .. }) => {
-                refused.push(Refused::new(&winner.candidate, may_be));
+                refused.push(contenders.refused(&winner, may_be));
                 rejected.push(Rejected { slot: winner.candidate.slot(), failed });
             }
         }

@@ -6,6 +6,7 @@ use crate::diagnosis::evidence::{Judged, Multiplicity, Scan};
 use crate::diagnosis::model::{Candidate, Session, Slot, is_event, is_level, is_shift};
 use crate::diagnosis::regression::{Column, combined, rms};
 use crate::effects::Effect;
+use std::collections::BTreeMap;
 
 /// A candidate that was refused.
 #[derive(Debug, Clone)]
@@ -16,17 +17,39 @@ pub(super) struct Refused {
     pub joints: Vec<usize>,
     /// Whether it may act all the same: the logs are too few to decide, and it stays an alternative to what is found in its place.
     pub may_be: bool,
+    /// Score statistic with which it was refused.
+    statistic: f64,
+    /// Whether something was found since where it acts.
+    is_open: bool,
 }
 
 impl Refused {
-    /// A candidate that may be so all the same, or not.
-    pub(super) fn new(candidate: &Candidate, may_be: bool) -> Self {
-        Refused { slot: candidate.slot(), joints: candidate.joints(), may_be }
+    /// A candidate, as judged in the scan, that may be so all the same, or not.
+    pub(super) fn new(judged: &Judged, may_be: bool) -> Self {
+        let Judged { candidate, test, .. } = judged;
+        Refused {
+            slot: candidate.slot(),
+            joints: candidate.joints(),
+            may_be,
+            statistic: test.statistic,
+            is_open: false,
+        }
     }
 
     /// One that is not asked, or not significant: it may act, but a saturation limit cannot be judged by a few rows.
-    fn faint(candidate: &Candidate) -> Self {
-        Self::new(candidate, !is_level(candidate.placed.effect))
+    fn faint(judged: &Judged) -> Self {
+        Self::new(judged, !is_level(judged.candidate.placed.effect))
+    }
+
+    /// Opens the question once something was found on `joints`: it was asked in a noise that did not know that.
+    pub(super) fn open_on(&mut self, joints: &[usize]) {
+        self.is_open |= self.joints.iter().any(|joint| joints.contains(joint));
+    }
+
+    /// Whether it is asked again with so large a `statistic`. As long as what was found since leaves its test as it was, to a minor share,
+    /// the answer is the same: laws of the whole arm would be asked after every finding on a joint.
+    fn is_asked_again(&self, statistic: f64, levels: &Levels) -> bool {
+        self.is_open && (statistic - self.statistic).abs() > levels.minor * self.statistic
     }
 }
 
@@ -99,28 +122,34 @@ pub(super) struct Contenders<'a> {
 }
 
 impl<'a> Contenders<'a> {
-    /// Those of a `scan` given what was `found` and what was `refused`. `standing` is what may come of a candidate by its test and its
-    /// family-wise level.
+    /// Those of a `scan` given what was `found`, and what was `refused` by these `levels`. `standing` is what may come of a candidate by its
+    /// test and its family-wise level.
     pub(super) fn new(
         scan: &'a Scan,
         found: &[Found],
-        refused: &[Refused],
+        (refused, levels): (&[Refused], &Levels),
         multiplicity: &Multiplicity,
         standing: impl Fn(&Judged, f64) -> Standing,
     ) -> Self {
         let level_of = |judged: &Judged| multiplicity.level(judged.candidate.family().effect, judged.test.log_p());
         let mut best = scan.best_per_family();
-        let (mut refused, mut rejected) = (refused.to_vec(), Vec::new());
+        let statistics: BTreeMap<Slot, f64> =
+            best.iter().map(|judged| (judged.candidate.slot(), judged.test.statistic)).collect();
+        let is_asked = |refused: &&Refused| {
+            statistics.get(&refused.slot).is_some_and(|statistic| refused.is_asked_again(*statistic, levels))
+        };
+        let mut refused: Vec<Refused> = refused.iter().filter(|refused| !is_asked(refused)).cloned().collect();
+        let mut rejected = Vec::new();
         for judged in &best {
             let candidate = &judged.candidate;
             match standing(judged, level_of(judged)) {
                 Standing::MayWin => {}
-                Standing::NotAsked => refused.push(Refused::faint(candidate)),
+                Standing::NotAsked => refused.push(Refused::faint(judged)),
                 Standing::Failed(failed) => {
-                    refused.push(Refused::faint(candidate));
+                    refused.push(Refused::faint(judged));
                     rejected.push(Rejected { slot: candidate.slot(), failed });
                 }
-                Standing::Excluded => refused.push(Refused::new(candidate, false)),
+                Standing::Excluded => refused.push(Refused::new(judged, false)),
             }
         }
         let eligible = Eligible::new(found, refused);
@@ -128,6 +157,12 @@ impl<'a> Contenders<'a> {
         best.sort_by(|a, b| multiplicity.expected(a).total_cmp(&multiplicity.expected(b)));
         let level = best.first().map_or(1.0, |first| level_of(first));
         Contenders { best, level, eligible, rejected }
+    }
+
+    /// The winner of their comparison as refused, by its test in the scan: the comparison sees it in another noise.
+    pub(super) fn refused(&self, winner: &Judged, may_be: bool) -> Refused {
+        let in_scan = self.best.iter().find(|judged| judged.candidate.slot() == winner.candidate.slot());
+        Refused::new(in_scan.unwrap_or(&winner), may_be)
     }
 
     /// The first as a candidate that is not significant at `alpha`.
@@ -191,6 +226,7 @@ impl Sizes {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::diagnosis::model::Family;
 
     #[test]
     fn what_is_less_than_half_the_floor_is_not_looked_for() {
@@ -207,6 +243,18 @@ mod tests {
         for at_any_size in ["time_delay", "external_contact", "torque_saturation"] {
             assert_eq!(standing(at_any_size, 1e-3, true), Standing::MayWin, "{at_any_size}");
         }
+    }
+
+    #[test]
+    fn what_was_refused_is_asked_again_where_its_test_changes() {
+        let slot = (Family { effect: "base_tilt", joint: 0 }, None);
+        let mut refused = Refused { slot, joints: vec![0, 1], may_be: false, statistic: 100.0, is_open: false };
+        let levels = Levels::default();
+        refused.open_on(&[2]);
+        assert!(!refused.is_asked_again(200.0, &levels));
+        refused.open_on(&[1]);
+        assert!(!refused.is_asked_again(109.9, &levels) && !refused.is_asked_again(90.1, &levels));
+        assert!(refused.is_asked_again(110.1, &levels) && refused.is_asked_again(89.9, &levels));
     }
 
     #[test]

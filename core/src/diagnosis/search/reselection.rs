@@ -47,7 +47,7 @@ impl Again {
         loop {
             let scan = Scan::new(session, &all, &noise.whitener, &noise.projection);
             let anyone = |_: &Judged, _| Standing::MayWin;
-            let contenders = Contenders::new(&scan, &others, &[], multiplicity, anyone);
+            let contenders = Contenders::new(&scan, &others, (&[], &session.criteria.levels), multiplicity, anyone);
             if contenders.best.is_empty() {
                 return Ok(None);
             }

@@ -7,11 +7,15 @@ use crate::diagnosis::model::{
     Candidate, Member, PreparedLogs, Session, acts_upon_arm, all_candidates, carried_on, renewed,
 };
 use crate::diagnosis::noise::Whitener;
-use crate::diagnosis::regression::Projection;
+use crate::diagnosis::regression::{Column, Projection, joints_of};
 use crate::error::Result;
 
 /// Most fits of a model whose columns depend on the arm as found. Of a gain of 0.3 the first finds 0.23, the second 0.299.
 const ROUNDS: usize = 6;
+
+/// Share of its torque on a joint by which the arm may change before the candidates that act upon it are worked out anew: their columns
+/// change by as much at most, and a test loses the square of that.
+const SETTLED: f64 = 0.01;
 
 /// A round of a search.
 #[derive(Debug)]
@@ -24,6 +28,8 @@ pub(super) struct Round {
     pub all: Vec<Candidate>,
     /// Their tests.
     pub scan: Scan,
+    /// Torque of the arm along which those that act upon it were worked out.
+    arm: Column,
 }
 
 impl Round {
@@ -34,7 +40,8 @@ impl Round {
     pub(super) fn first(session: &Session, (whitener, fit): (Whitener, Projection), options: &Options) -> Result<Self> {
         let asked = session.model.asked(&options.candidates);
         let all = all_candidates(&session.model.arm, &session.logs.train.rows, asked)?;
-        Ok(Self::of(session, whitener, fit, all))
+        let arm = session.model.arm.all_torque(&session.logs.train.rows);
+        Ok(Self::of(session, (whitener, fit), all, arm))
     }
 
     /// The same over all logs, of which the first are those that `candidates` are known along.
@@ -51,7 +58,9 @@ impl Round {
         let PreparedLogs { train, test, .. } = &session.logs;
         let later = &test.rows;
         let carried_on = carried_on(candidates, &session.model.arm, train.rows.len() - later.len(), later)?;
-        Self::renewed(session, (whitener, fit), carried_on, options, &[])
+        let arm = session.model.arm.all_torque(&session.logs.train.rows);
+        let all = Self::renewed(session, carried_on, options, &[])?;
+        Ok(Self::of(session, (whitener, fit), all, arm))
     }
 
     /// Goes on after more was found, where the sign of friction on some joints is `rounded` otherwise since.
@@ -68,27 +77,42 @@ impl Round {
         let settled = settled(session, found)?;
         // The columns of both scans together would take twice the memory.
         self.scan.clear();
-        *self = Self::renewed(session, settled, std::mem::take(&mut self.all), options, rounded)?;
+        let mut all = std::mem::take(&mut self.all);
+        let mut arm = session.model.arm.all_torque(&session.logs.train.rows);
+        match rounded.is_empty() && has_settled(&self.arm, &arm) {
+            true => arm = std::mem::take(&mut self.arm),
+            false => all = Self::renewed(session, all, options, rounded)?,
+        }
+        *self = Self::of(session, settled, all, arm);
         Ok(())
     }
 
-    /// With the candidates for the arm as estimated, whose friction is `rounded` otherwise on some joints.
+    /// The candidates for the arm as estimated, whose friction is `rounded` otherwise on some joints.
     fn renewed(
         session: &Session,
-        (whitener, fit): (Whitener, Projection),
         candidates: Vec<Candidate>,
         options: &Options,
         rounded: &[usize],
-    ) -> Result<Self> {
+    ) -> Result<Vec<Candidate>> {
         let asked = session.model.asked(&options.candidates);
-        let all = renewed(candidates, &session.model.arm, &session.logs.train.rows, asked, rounded)?;
-        Ok(Self::of(session, whitener, fit, all))
+        renewed(candidates, &session.model.arm, &session.logs.train.rows, asked, rounded)
     }
 
-    fn of(session: &Session, whitener: Whitener, fit: Projection, all: Vec<Candidate>) -> Self {
+    fn of(session: &Session, (whitener, fit): (Whitener, Projection), all: Vec<Candidate>, arm: Column) -> Self {
         let scan = Scan::new(session, &all, &whitener, &fit);
-        Round { whitener, fit, all, scan }
+        Round { whitener, fit, all, scan, arm }
     }
+}
+
+/// Whether the torque of an arm changed by no more than [`SETTLED`] of it on any joint.
+fn has_settled(before: &Column, after: &Column) -> bool {
+    let mut change = after.clone();
+    change.add(-1.0, before);
+    let square = |column: &Column, joint: usize| column.part(joint).unwrap_or_default().iter().map(|x| x * x).sum();
+    joints_of(&[change.clone()]).into_iter().all(|joint| {
+        let [change, before]: [f64; 2] = [square(&change, joint), square(before, joint)];
+        change <= SETTLED * SETTLED * before
+    })
 }
 
 /// The noise under what was `found` and the fit of that, with estimates written back.
@@ -138,4 +162,17 @@ pub(crate) fn converged(session: &mut Session, found: &mut [Found], whitener: &W
     let columns = session.model.columns(&session.logs.train, &members)?;
     found.iter_mut().zip(members).for_each(|(found, member)| found.member = member);
     Ok(Some(session.noise_under(&columns)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_arm_that_changes_by_one_percent_on_a_joint_is_another() {
+        let arm = |torques: [f64; 2]| Column::new(torques.map(|torque| vec![torque, -torque]));
+        let settled = |after: [f64; 2]| has_settled(&arm([100.0, 1.0]), &arm(after));
+        assert!(settled([100.99, 1.0099]) && !settled([101.01, 1.0]) && !settled([100.0, 0.9899]));
+        assert!(has_settled(&arm([0.0, 0.0]), &arm([0.0, 0.0])) && !has_settled(&arm([0.0, 0.0]), &arm([0.0, 1e-9])));
+    }
 }

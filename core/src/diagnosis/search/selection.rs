@@ -184,7 +184,8 @@ impl Forward<'_, '_> {
             }
         };
         let Round { scan, whitener, fit, .. } = &self.round;
-        let contenders = Contenders::new(scan, &self.found, &self.refused, multiplicity, standing);
+        let contenders =
+            Contenders::new(scan, &self.found, (&self.refused, &session.criteria.levels), multiplicity, standing);
         self.faint.clone_from(&contenders.rejected);
         if contenders.best.is_empty() {
             return self.last_event();
@@ -215,13 +216,13 @@ impl Forward<'_, '_> {
         match trial.of(&winner, level, under)? {
             Outcome::Accepted(accepted) => {
                 let alternatives = explained_by_play(session, &self.found, &accepted.member, alternatives);
-                // What was refused where this acts was seen in a noise that did not know it.
                 let joints = accepted.member.candidate.joints();
-                self.refused.retain(|other| !other.joints.iter().any(|joint| joints.contains(joint)));
+                self.refused.iter_mut().for_each(|other| other.open_on(&joints));
                 self.take(Found::new(*accepted, alternatives))?;
             }
             Outcome::Refused(Refusal { may_be, asked: in_vain, failed }) => {
-                self.refused.push(Refused::new(&winner.candidate, may_be));
+                self.refused.retain(|other| other.slot != winner.candidate.slot());
+                self.refused.push(contenders.refused(&winner, may_be));
                 self.rejected.push(Rejected { slot: winner.candidate.slot(), failed });
                 self.in_a_row += 1;
                 self.asked += usize::from(in_vain);

@@ -28,6 +28,9 @@ pub enum Search {
     ClockStart,
     /// A position of the joint at which the law bends: inside its range of motion, else it is another law.
     Position,
+    /// An angle about the joint, between its bounds all around it. What pulls along a line turns its torque over within a small part of a turn
+    /// where that line passes near the axis: a test has several maxima over the angle.
+    Angle,
     /// A number of periods per turn of the joint.
     PerTurn,
     /// A time by which signals are moved or spread, at multiples of its typical size: torque is not linear in it.

@@ -6,13 +6,17 @@ use crate::diagnosis::model::{
 };
 use crate::diagnosis::noise::Whitener;
 use crate::diagnosis::regression::{Column, Projection, Test};
-use crate::effects::{Parameter, Placed, Role, as_size, moved};
+use crate::effects::{Parameter, Placed, Role, Search, as_size, moved};
 use crate::error::Result;
 use rayon::prelude::*;
 use std::sync::Arc;
 
 /// Halvings of the step in the search for a shape.
 const HALVINGS: usize = 6;
+
+/// Angles all around a joint from which the search for a shape starts: steps of 11 degrees. From the grid of all shapes, with steps of 60
+/// degrees, the search ended at a strut a quarter turn away from the true one.
+const ANGLES: usize = 32;
 
 /// Times the size at which a departure's column is taken is moved to its estimate.
 const SECANTS: usize = 3;
@@ -114,6 +118,7 @@ impl Session<'_> {
     /// # Errors
     /// If a log is too short to differentiate.
     pub(crate) fn refined(&self, start: Judged, whitener: &Whitener, fit: &Projection) -> Result<Judged> {
+        let start = self.turned(start, whitener, fit)?;
         let (placed, log) = (start.candidate.placed.clone(), start.candidate.log);
         let mut best = self.refined_in_form(start, whitener, fit)?;
         for index in 0..placed.effect.parameters().len() {
@@ -130,6 +135,25 @@ impl Session<'_> {
             }
         }
         Ok(best)
+    }
+
+    /// A candidate at the angle about its joint at which its test is largest, where its law has one.
+    fn turned(&self, start: Judged, whitener: &Whitener, fit: &Projection) -> Result<Judged> {
+        let effect = start.candidate.placed.effect;
+        let Some(angle) = shapes(effect).into_iter().find(|&index| effect.search(index) == Search::Angle) else {
+            return Ok(start);
+        };
+        let Parameter { lower, upper, .. } = effect.parameters()[angle];
+        let turned = |k: usize| {
+            let mut placed = start.candidate.placed.clone();
+            placed.parameters[angle] = lower + (upper - lower) * (k as f64 + 0.5) / ANGLES as f64;
+            placed
+        };
+        let all: Vec<Placed> = (0..ANGLES).map(turned).collect();
+        let all = self.judged_at(&all, start.candidate.log, whitener, fit)?.into_iter().flatten();
+        let likeliest = |a: &Judged, b: &Judged| a.test.log_p().total_cmp(&b.test.log_p());
+        let turned = all.min_by(likeliest).filter(|turned| likeliest(turned, &start).is_lt());
+        Ok(turned.unwrap_or(start))
     }
 
     /// Moves the shapes and sizes of a candidate to where its test is largest.

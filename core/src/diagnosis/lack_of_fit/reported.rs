@@ -72,13 +72,14 @@ pub(crate) struct Structure {
 }
 
 impl Structure {
-    /// Adds what the map of the residual shows. Of a joint the larger is reported, unless what is reported already replaces a finding.
+    /// Adds what the map of the residual shows. Of a joint the larger is reported; a finding that either replaces is replaced.
     pub(crate) fn merge(&mut self, of_map: Structure) {
         for mut shown in of_map.unexplained {
             match self.unexplained.iter_mut().find(|left| left.joint == shown.joint) {
                 None => self.unexplained.push(shown),
-                Some(left) if left.instead_of.is_empty() && left.share < shown.share => {
+                Some(left) if left.share < shown.share => {
                     shown.certain |= left.certain;
+                    shown.instead_of = std::mem::take(&mut left.instead_of);
                     *left = shown;
                 }
                 Some(_) => {}
@@ -177,5 +178,29 @@ mod tests {
         assert_eq!(left(499.9, &[]), (1, None));
         assert_eq!(left(500.1, &[]), (0, Some(Gate::Size)));
         assert_eq!(left(1e4, &[Replaced { place: 0, beyond: 1.0 }]), (1, None));
+    }
+
+    #[test]
+    fn the_larger_structure_of_a_joint_is_reported_and_a_finding_stays_replaced() {
+        let replaced = Replaced { place: 3, beyond: 2.0 };
+        let one = |share: f64, structure: &'static str, instead_of: Vec<Replaced>| Unexplained {
+            joint: 1,
+            share,
+            structure,
+            family_wise_p: None,
+            certain: !instead_of.is_empty(),
+            instead_of,
+            passed: Vec::new(),
+        };
+        let merged = |of_map: f64| {
+            let block = one(0.01, "follows a law whose strength changes", vec![replaced]);
+            let mut all = Structure { unexplained: vec![block], rejected: Vec::new() };
+            all.merge(Structure { unexplained: vec![one(of_map, "is warm-up", Vec::new())], rejected: Vec::new() });
+            let only = all.unexplained.remove(0);
+            assert!(all.unexplained.is_empty() && only.certain && only.instead_of == [replaced]);
+            only.structure
+        };
+        assert_eq!(merged(0.6), "is warm-up");
+        assert_eq!(merged(0.009), "follows a law whose strength changes");
     }
 }

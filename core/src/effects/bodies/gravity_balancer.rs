@@ -19,7 +19,7 @@
 //! ten to one from the axis, g >= 0.2. Without them a motion over a small range is fitted best by struts that hardly have a length and
 //! jerk through it, or whose pull is tens of times the torque that they make, and does not hold in other poses. A strut that pushes from half a turn away is nearly one that pulls.
 
-use crate::effects::{About, Effect, Hidden, Instant, Limit, Nature, Parameter, Rival, Role, Scope, Site};
+use crate::effects::{About, Effect, Hidden, Instant, Limit, Nature, Parameter, Rival, Role, Scope, Search, Site};
 use crate::robot::{JointKind, Robot, Unit};
 
 /// (M + K (r - r0)) g sin(q - phi) / (2 r).
@@ -137,6 +137,10 @@ impl Effect for GravityBalancer {
         let longer = (1.0 + geometry).sqrt() - (1.0 - geometry).sqrt();
         // A preload below zero is beyond its bound, as far as it is known.
         if preload < 0.0 || stiffness == 0.0 { 0.0 } else { LIMITS[0].over(1.0 + stiffness * longer / preload) }
+    }
+
+    fn search(&self, index: usize) -> Search {
+        if PARAMETERS[index].name == "angle" { Search::Angle } else { Search::Bounds }
     }
 
     /// It balances gravity, which an axis that is vertical in every pose does not feel, and has a lever on a joint that turns.

@@ -15,6 +15,7 @@ mod relevance;
 mod schema;
 mod smoothing;
 mod structure;
+mod struts;
 
 use std::sync::LazyLock;
 use tauscope::diagnosis::{Answer, Diagnosis, DiagnosisBuilder};

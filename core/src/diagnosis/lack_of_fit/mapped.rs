@@ -201,7 +201,11 @@ mod tests {
         let [smaller] = &with(0.24, &[])[..] else { panic!() };
         assert!(smaller.structure == Kind::SlowTime.meaning() && smaller.certain);
         assert_eq!(with(0.26, &[])[0].structure, LINE);
-        assert_eq!(with(0.24, &[Replaced { place: 0, beyond: 0.5 }])[0].structure, LINE);
+        // A finding that the smaller replaces stays replaced.
+        let replaced = [Replaced { place: 0, beyond: 0.5 }];
+        let [smaller] = &with(0.24, &replaced)[..] else { panic!() };
+        assert!(smaller.structure == Kind::SlowTime.meaning() && smaller.instead_of == replaced);
+        assert_eq!(with(0.26, &replaced)[0].structure, LINE);
     }
 
     #[test]

@@ -179,28 +179,4 @@ mod tests {
         assert_eq!(left(500.1, &[]), (0, Some(Gate::Size)));
         assert_eq!(left(1e4, &[Replaced { place: 0, beyond: 1.0 }]), (1, None));
     }
-
-    #[test]
-    fn the_larger_structure_of_a_joint_is_reported_and_a_finding_stays_replaced() {
-        let replaced = Replaced { place: 3, beyond: 2.0 };
-        let one = |share: f64, structure: &'static str, instead_of: Vec<Replaced>| Unexplained {
-            joint: 1,
-            share,
-            structure,
-            family_wise_p: None,
-            certain: !instead_of.is_empty(),
-            instead_of,
-            passed: Vec::new(),
-        };
-        let merged = |of_map: f64| {
-            let block = one(0.01, "follows a law whose strength changes", vec![replaced]);
-            let mut all = Structure { unexplained: vec![block], rejected: Vec::new() };
-            all.merge(Structure { unexplained: vec![one(of_map, "is warm-up", Vec::new())], rejected: Vec::new() });
-            let only = all.unexplained.remove(0);
-            assert!(all.unexplained.is_empty() && only.certain && only.instead_of == [replaced]);
-            only.structure
-        };
-        assert_eq!(merged(0.6), "is warm-up");
-        assert_eq!(merged(0.009), "follows a law whose strength changes");
-    }
 }

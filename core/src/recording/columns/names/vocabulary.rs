@@ -91,9 +91,22 @@ pub(super) const OF_CONTROLLER: [&str; 12] = [
     "disturbance",
 ];
 
-/// Words that mean that a value is that of another thing, and not of a joint.
-pub(super) const OF_OTHERS: [&str; 9] =
-    ["error", "err", "tcp", "cartesian", "temperature", "temperatures", "temp", "voltage", "action"];
+/// Words that mean that a value is that of another thing, and not of a joint, or a function of its angle.
+pub(super) const OF_OTHERS: [&str; 13] = [
+    "error",
+    "err",
+    "tcp",
+    "cartesian",
+    "temperature",
+    "temperatures",
+    "temp",
+    "voltage",
+    "action",
+    "cos",
+    "cosine",
+    "sin",
+    "sine",
+];
 
 /// Words of what acts from outside on the arm.
 pub(super) const EXTERNAL: [&str; 4] = ["ext", "external", "contact", "disturbance"];

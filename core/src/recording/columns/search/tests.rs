@@ -34,6 +34,18 @@ fn joint_names_in_columns() {
     assert_eq!((layout.q, layout.qdd), (vec![1, 2], Some(vec![3, 4])));
 }
 
+/// Simulators log the angles of an arm three times; positions behind a prefix were not found beside the others.
+#[test]
+fn cosines_and_sines_of_positions_are_no_positions() {
+    let of = |name: &str| format!("{name}[0],{name}[1],");
+    let names = ["robot0_joint_pos", "robot0_joint_pos_cos", "robot0_joint_pos_sin", "torques"];
+    let header = names.map(of).concat() + "time";
+    for joints in [None, Some(&["a", "b"][..])] {
+        let layout = find(&header, joints).unwrap();
+        assert_eq!((layout.q, layout.tau, layout.time), (vec![0, 1], vec![6, 7], 8));
+    }
+}
+
 #[test]
 fn the_number_of_a_joint_among_others_in_its_name() {
     let header = "Time (ms),rob1_2 position,rob1_1 position,rob1_1 torque,rob1_2 torque";

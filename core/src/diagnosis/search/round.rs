@@ -7,7 +7,7 @@ use crate::diagnosis::model::{
     Candidate, Member, PreparedLogs, Session, acts_upon_arm, all_candidates, carried_on, renewed,
 };
 use crate::diagnosis::noise::Whitener;
-use crate::diagnosis::regression::{Column, Projection, joints_of};
+use crate::diagnosis::regression::{Column, Projection};
 use crate::error::Result;
 
 /// Most fits of a model whose columns depend on the arm as found. Of a gain of 0.3 the first finds 0.23, the second 0.299.
@@ -108,11 +108,11 @@ impl Round {
 fn has_settled(before: &Column, after: &Column) -> bool {
     let mut change = after.clone();
     change.add(-1.0, before);
-    let square = |column: &Column, joint: usize| column.part(joint).unwrap_or_default().iter().map(|x| x * x).sum();
-    joints_of(&[change.clone()]).into_iter().all(|joint| {
-        let [change, before]: [f64; 2] = [square(&change, joint), square(before, joint)];
-        change <= SETTLED * SETTLED * before
-    })
+    let square = |values: &[f64]| values.iter().map(|x| x * x).sum::<f64>();
+    change
+        .parts
+        .iter()
+        .all(|(joint, change)| square(change) <= SETTLED * SETTLED * square(before.part(*joint).unwrap_or_default()))
 }
 
 /// The noise under what was `found` and the fit of that, with estimates written back.

@@ -34,7 +34,7 @@ fn joint_names_in_columns() {
     assert_eq!((layout.q, layout.qdd), (vec![1, 2], Some(vec![3, 4])));
 }
 
-/// Simulators log the angles of an arm three times; positions behind a prefix were not found beside the others.
+/// Simulators log an angle with its cosine and sine; with a prefix before all names no positions were found.
 #[test]
 fn cosines_and_sines_of_positions_are_no_positions() {
     let of = |name: &str| format!("{name}[0],{name}[1],");

@@ -60,6 +60,19 @@ fn a_motor_that_saturates_is_no_gain() {
     assert!(told(&diagnosis).iter().any(|(joint, _)| *joint == JOINT), "{:?}", told(&diagnosis));
 }
 
+/// Generic functions of the position explain what an offset leaves, and with that the offset too.
+#[test]
+fn an_offset_keeps_its_name_where_torque_follows_the_position_a_little() {
+    for (structure, is_named) in [(3.0, true), (12.0, false)] {
+        let law = |tau: f64, q: f64| tau + 15.0 + structure * (5.0 * q).sin();
+        let logs: Vec<Recording> = logs(&SETUP, 35, 3).into_iter().map(|log| distorted(log, law)).collect();
+        let diagnosis = diagnosed(&logs, "torque_offset");
+        let named = diagnosis.found.iter().filter(|found| found.verdict == Verdict::Named).count();
+        assert_eq!(named == 1, is_named, "{structure}: {:?} {:?}", diagnosis.found, told(&diagnosis));
+        assert!(told(&diagnosis).iter().any(|(joint, _)| *joint == JOINT), "{structure}: {:?}", told(&diagnosis));
+    }
+}
+
 /// A first axis along gravity does not feel the moments of what it carries until the base is tilted: their error is no part of the tilt.
 #[test]
 fn wrong_moments_of_the_first_link_do_not_change_a_tilt() {

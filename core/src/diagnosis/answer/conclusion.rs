@@ -235,6 +235,7 @@ fn answer<'a>(
         multiplicity,
         ranking,
         sensitivity,
+        ..
     } = selection;
     let members: Vec<Member> = found.iter().map(|found| found.member.clone()).collect();
     let valid = |data: &'_ DataSet| data.rows.valid.clone();

@@ -256,8 +256,7 @@ pub(super) fn withdraw(
     criteria: &Criteria,
 ) {
     for replaced in unexplained.iter().flat_map(|left| &left.instead_of) {
-        let clearly = criteria.comparison.clearly_better;
-        found[replaced.place].withdraw(Judgement::at_most(Gate::Replaced, replaced.beyond, clearly));
+        found[replaced.place].withdraw(Judgement::at_most(Gate::Replaced, replaced.beyond, criteria.levels.minor));
     }
     let [before, after] = residuals;
     let certain: Vec<usize> = unexplained.iter().filter(|left| left.certain).map(|left| left.joint).collect();

@@ -2,16 +2,18 @@
 //!
 //! Against wrong inertias single effects explain a little each, and never all. Where trusted inertias leave structure or ask
 //! for several wrong links, the search is made once more with all base parameters free; if that predicts the held-out logs
-//! significantly better, and leaves less unexplained, the inertias are what is wrong.
+//! significantly better, and leaves less unexplained, the inertias are what is wrong. It is not made where free base parameters, with the
+//! same effects, predict no better: what another search gains then is no gain of theirs.
 
 use super::searched::Searched;
 use crate::diagnosis::Options;
 use crate::diagnosis::criteria::{Gate, Judgement};
 use crate::diagnosis::evidence::Gains;
 use crate::diagnosis::lack_of_fit::Unexplained;
-use crate::diagnosis::model::{Known, Session};
+use crate::diagnosis::model::{Known, Member, Session, is_candidate};
+use crate::diagnosis::noise::Whitener;
 use crate::diagnosis::preparation::prepare;
-use crate::diagnosis::regression::rms;
+use crate::diagnosis::regression::{Column, rms};
 use crate::diagnosis::search::Found;
 use crate::diagnosis::watch::Watch;
 use crate::effects::Site;
@@ -84,6 +86,12 @@ pub(super) fn all_inertias<'a>(
         return Ok(Outcome::NotAsked);
     }
     let mut session = prepare(trusted.model.base, Trust::Structure, known, train, test, options.criteria)?;
+    let (with_same_effects, whitener) = residual_with(&session, &selection.found)?;
+    let gain = Gain::of([trusted, &session], [&selection.held_out, &with_same_effects], &whitener);
+    let gains = Judgement::above(Gate::HeldOutGain, gain.lower_bound, options.criteria.search.share_of_misfit);
+    if !gains.passed {
+        return Ok(Outcome::Refused(gains));
+    }
     let searched = Searched::new(&mut session, options, watch)?;
     let free = &searched.selection;
     let left_free = certain(&searched.structure.unexplained);
@@ -95,22 +103,45 @@ pub(super) fn all_inertias<'a>(
     if let Some(failed) = Judgement::first_failed(simpler) {
         return Ok(Outcome::Refused(failed));
     }
-    // Both are compared on rows valid for both, in the noise of the better one.
-    let mut rows = session.logs.test.rows.clone();
-    for (valid, other) in rows.valid.iter_mut().zip(&trusted.logs.test.rows.valid) {
-        valid.iter_mut().zip(other).for_each(|(ok, other)| *ok &= *other);
-    }
-    let (before, after) = (&selection.held_out, &free.held_out);
-    let joints: Vec<usize> = (0..rows.dof()).collect();
-    let lower_bound =
-        Gains::new(&free.whitener.on(&rows), before, after, &joints, rows.len()).lower_bound(&options.criteria.levels);
-    let rms = [rms(&rows.valid, before), rms(&rows.valid, after)];
-    let gain = Gain { lower_bound, rms };
-    let gains = Judgement::above(Gate::HeldOutGain, lower_bound, options.criteria.search.share_of_misfit);
+    let gain = Gain::of([trusted, &session], [&selection.held_out, &free.held_out], &free.whitener);
+    let gains = Judgement::above(Gate::HeldOutGain, gain.lower_bound, options.criteria.search.share_of_misfit);
     Ok(match gains.passed {
         true => Outcome::Accepted(Box::new(Free { session, searched, gain })),
         false => Outcome::Refused(gains),
     })
+}
+
+impl Gain {
+    /// That of two held-out residuals, of sessions with trusted and with free inertias: on the rows valid for both, in the noise of the latter.
+    fn of(sessions: [&Session; 2], [before, after]: [&Column; 2], whitener: &Whitener) -> Self {
+        let [trusted, free] = sessions.map(|session| &session.logs.test.rows);
+        let mut rows = free.clone();
+        for (valid, other) in rows.valid.iter_mut().zip(&trusted.valid) {
+            valid.iter_mut().zip(other).for_each(|(ok, other)| *ok &= *other);
+        }
+        let joints: Vec<usize> = (0..rows.dof()).collect();
+        let gains = Gains::new(&whitener.on(&rows), before, after, &joints, rows.len());
+        let rms = [before, after].map(|residual| rms(&rows.valid, residual));
+        Gain { lower_bound: gains.lower_bound(&sessions[1].criteria.levels), rms }
+    }
+}
+
+/// Held-out residual of the model of `session` with the effects `found` in another, and the noise under it. Bodies are among its own
+/// parameters where those are free.
+///
+/// # Errors
+/// If a log is too short to differentiate.
+fn residual_with(session: &Session, found: &[Found]) -> Result<(Column, Whitener)> {
+    let mut members = Vec::new();
+    for Found { member, .. } in
+        found.iter().filter(|one| is_candidate(one.member.placed.effect, session.model.trust, &[]))
+    {
+        if let Some(candidate) = session.candidate_at(member.candidate.placed.clone(), member)? {
+            members.push(Member { candidate, ..member.clone() });
+        }
+    }
+    let whitener = session.noise_under(&session.model.columns(&session.logs.train, &members)?);
+    Ok((session.held_out_residual(&members, &whitener)?, whitener))
 }
 
 /// Whether estimated inertias need less to explain the logs than trusted ones, by the joints with unexplained structure and by the effects

@@ -57,7 +57,9 @@ pub(super) fn found_that_matter(
     watch: &mut Watch,
 ) -> Result<(Selection, Vec<Minor>)> {
     let selection = select(session, options, watch)?;
-    those_that_matter(session, selection, &[])
+    let (mut selection, minor) = those_that_matter(session, selection, &[])?;
+    selection.ask_for_alternatives(session, watch)?;
+    Ok((selection, minor))
 }
 
 /// Takes out of what was selected the effects that do not matter; on the joints of `any_size` the smallest matters.
@@ -124,8 +126,7 @@ impl Searched {
     /// # Errors
     /// If a log is too short to differentiate.
     pub(super) fn new(session: &mut Session, options: &Options, watch: &mut Watch) -> Result<Self> {
-        let all = select(session, options, watch)?;
-        let (selection, mut minor) = those_that_matter(session, all, &[])?;
+        let (selection, mut minor) = found_that_matter(session, options, watch)?;
         let ended = watch.is_over();
         let (structure, map) = left(session, &selection, options, ended)?;
         // An effect that is too small to matter is not, where without it structure is reported on its joint.
@@ -143,12 +144,15 @@ impl Searched {
         let mut again = selection;
         again.found.extend(too_small.into_iter().map(|minor| minor.found));
         again.settle(session)?;
-        let (selection, more) = those_that_matter(session, again, &joints)?;
+        let (mut selection, more) = those_that_matter(session, again, &joints)?;
         minor.extend(more);
         // Where all of them are out again the model is what it was, and so is what it leaves.
         let (structure, map) = match selection.found.iter().map(|found| found.member.candidate.slot()).eq(before) {
             true => (structure, map),
-            false => left(session, &selection, options, ended)?,
+            false => {
+                selection.ask_for_alternatives(session, watch)?;
+                left(session, &selection, options, ended)?
+            }
         };
         Ok(Searched { selection, minor, structure, map })
     }

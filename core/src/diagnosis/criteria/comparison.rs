@@ -21,8 +21,8 @@ pub struct ComparisonCriteria {
     pub rival: f64,
     /// Share of the winner's statistic from which a rival is close enough for held-out logs to judge.
     pub close: f64,
-    /// Share of a sum of squares, as a lower bound where it is that of held-out logs, for which a rival takes the winner's place, or
-    /// structure that of a finding: less may come of a further parameter, of any simplification of a law, or of chance.
+    /// Share of a sum of squares of the held-out logs, as a lower bound, for which a rival takes the winner's place: less may come of a
+    /// further parameter, of any simplification of a law, or of chance.
     pub clearly_better: f64,
 }
 

@@ -13,7 +13,7 @@ impl Criteria {
 }
 
 fn document(criteria: &Criteria) -> Value {
-    let Criteria { share_of_torque, levels, search, comparison, structure, .. } = criteria;
+    let Criteria { share_of_torque, levels, search, structure, .. } = criteria;
     let [even, leans, usual, strict] =
         [levels.even_p, levels.leaning_p, levels.usual_p, levels.strict_p].map(|p| json!(p));
     let [open, sure] = [levels.open_p, levels.sure_p].map(|p| json!(p));
@@ -92,7 +92,7 @@ fn document(criteria: &Criteria) -> Value {
             "/structure",
             &[
                 ("suggested_p", &open),
-                ("beyond_finding", &json!(comparison.clearly_better)),
+                ("beyond_finding", &json!(levels.minor)),
                 ("certain", &certain),
                 ("share_of_residual", &json!(structure.share_of_residual())),
                 ("below_cutoff", &most),

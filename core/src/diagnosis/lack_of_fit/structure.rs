@@ -3,11 +3,11 @@
 
 use super::condensed::Condensed;
 use super::reported::{Replaced, Unexplained};
-use crate::diagnosis::criteria::{Gate, Judgement};
+use crate::diagnosis::criteria::{Gate, Judgement, Levels};
 use crate::diagnosis::evidence::{Block, Gains, against_slow_noise, modulated};
 use crate::diagnosis::model::{DataSet, Member, Nuisances, PreparedLogs, Session};
 use crate::diagnosis::noise::Whitener;
-use crate::diagnosis::regression::{Column, Projection, Test, fisher};
+use crate::diagnosis::regression::{Column, Projection, Test, fisher, rms};
 use crate::diagnosis::search::{Selection, members};
 use crate::error::Result;
 use std::borrow::Cow;
@@ -267,7 +267,7 @@ impl<'a> Fitted<'a> {
         let share = under.share(joint, test.statistic);
         let large = Judgement::above(Gate::StructureShare, share, self.session.criteria.structure.share_of_residual());
         let weighs = certain || is_not_all;
-        let instead_of = if weighs { self.made_superfluous(&under, joint, &whitened, &test) } else { Vec::new() };
+        let instead_of = if weighs { self.made_superfluous(&under, joint, block, &whitened) } else { Vec::new() };
         tracing::debug!(joint, structure, share, ?way, ?instead_of, "structure weighed");
         let passed = match way {
             Some(way) if large.passed => way.iter().copied().chain([large]).collect(),
@@ -316,30 +316,60 @@ impl<'a> Fitted<'a> {
         Gains::adjusted_for(&under.on_held_out, self.before, &after, &[joint], &self.held_out_errors, test.rows.len())
     }
 
-    /// Members on this joint alone that add nothing to a block, on any joint, which itself adds `more` than little to them.
-    fn made_superfluous(&self, under: &Under, joint: usize, block: &[Column], more: &Test) -> Vec<Replaced> {
-        let more = more.statistic - more.freedom as f64;
+    /// Members on this joint alone that add nothing to a block, on any joint, which itself explains more than a minor share of their torque
+    /// beyond them: generic functions of the position hold every law of the position, and a law need not explain all that its joint has.
+    fn made_superfluous(&self, under: &Under, joint: usize, block: &Block, whitened: &[Column]) -> Vec<Replaced> {
+        let weighed = |&place: &usize| is_weighed(self.session, &self.members[place], joint);
+        let weighed: Vec<usize> = (0..self.members.len()).filter(weighed).collect();
+        if weighed.is_empty() {
+            return Vec::new();
+        }
+        // In squares of the torque: noise that is slow weighs laws that are slow less, and their torque is missed all the same.
+        let left = self.left_after(under, joint, self.columns());
+        let with: Vec<Column> = self.columns().iter().chain(&block.columns).cloned().collect();
+        let more = left - self.left_after(under, joint, &with);
         let blocks = self.session.blocks(&self.members).members;
-        let mut empty = Vec::new();
-        for ((place, member), own) in self.members.iter().enumerate().zip(blocks) {
-            let own = own.all();
-            if !is_weighed(self.session, member, joint) {
-                continue;
-            }
+        let replaced = |place: usize| {
+            let own = blocks[place].all();
             let others: Vec<Column> =
                 self.columns()[..own.start].iter().chain(&self.columns()[own.end..]).cloned().collect();
-            let fit = under.whitener.fit(&others, &self.session.logs.train.torque);
+            let fit = under.whitener.fit(&others, &self.session.logs.train.torque).with(whitened);
             let own = under.whitener.apply_all(&self.columns()[own]);
-            let alone = fit.test(&own).map_or(0.0, |test| test.statistic);
-            let with_block = fit.with(block).test(&own).map_or(0.0, |test| test.log_p());
-            tracing::debug!(joint, family = ?member.candidate.family(), alone, with_block, "name in the presence of structure");
-            let beyond = more / alone;
-            if with_block > self.session.criteria.levels.sure_p.ln()
-                && beyond > self.session.criteria.comparison.clearly_better
-            {
-                empty.push(Replaced { place, beyond });
-            }
-        }
-        empty
+            let log_p = fit.test(&own).map_or(0.0, |test| test.log_p());
+            let explained = self.left_after(under, joint, &others) - left;
+            let beyond = if explained > 0.0 { more / explained } else { f64::INFINITY };
+            let family = self.members[place].candidate.family();
+            tracing::debug!(joint, ?family, log_p, explained, beyond, "name in the presence of structure");
+            is_superfluous(log_p, beyond, &self.session.criteria.levels).then_some(Replaced { place, beyond })
+        };
+        weighed.into_iter().filter_map(replaced).collect()
+    }
+
+    /// Mean square of the residual of a joint's training rows after a fit of `columns`, (N m)^2.
+    fn left_after(&self, under: &Under, joint: usize, columns: &[Column]) -> f64 {
+        let train = &self.session.logs.train;
+        let mut left = train.torque.only(&[joint]);
+        let values = under.whitener.solve(columns, &train.torque).values;
+        columns.iter().zip(values.iter()).for_each(|(column, value)| left.add(-value, &column.only(&[joint])));
+        rms(&train.rows.valid, &left)[joint].powi(2)
+    }
+}
+
+/// Whether a law is superfluous in the presence of structure, by the logarithm of the p-value of what it adds to that, and by what the
+/// structure explains `beyond` it, over what it explains by itself.
+fn is_superfluous(log_p: f64, beyond: f64, levels: &Levels) -> bool {
+    log_p > levels.sure_p.ln() && beyond > levels.minor
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_law_that_adds_nothing_to_structure_stays_where_that_is_minor() {
+        let levels = Levels::default();
+        let log_p = levels.sure_p.ln();
+        assert!(is_superfluous(log_p + 1e-9, levels.minor + 1e-9, &levels));
+        assert!(!is_superfluous(log_p, 1.0, &levels) && !is_superfluous(0.0, levels.minor, &levels));
     }
 }

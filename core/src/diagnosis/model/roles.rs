@@ -1,6 +1,6 @@
 //! What the parameters of an effect are to a test: columns, shapes, levels, departures that bend, events.
 
-use crate::effects::{DriveParameter, Effect, Nature, Parameter, Placed, Role, Search, Site};
+use crate::effects::{DriveParameter, Effect, Nature, Parameter, Placed, Role, Scope, Search, Site};
 use crate::robot::Robot;
 
 /// Indices of the parameters for which there are columns: amplitudes and departures.
@@ -60,9 +60,15 @@ pub(crate) fn acts_upon_arm(effect: &dyn Effect) -> bool {
     !adds_inertia && (about.site != Site::Joint || about.uses_acceleration)
 }
 
-/// Whether the torque of an effect at a joint depends on the arm as found, where friction is rounded otherwise on some joints only.
-pub(crate) fn depends_on_rounding(effect: &dyn Effect, joint: usize, rounded: &[usize]) -> bool {
-    acts_upon_arm(effect) || (effect.about().dry && rounded.contains(&joint))
+/// Whether the torque of an effect at a joint depends on what changed: the torque of the arm as found on the joints `moved`, the rounding of
+/// friction on those `rounded`. What acts upon the arm as a whole depends on any joint.
+pub(crate) fn is_outdated(effect: &dyn Effect, joint: usize, moved: &[usize], rounded: &[usize]) -> bool {
+    let is_moved = match effect.about().scope {
+        Scope::Joint => moved.contains(&joint),
+        Scope::Pair => moved.contains(&joint) || moved.contains(&(joint + 1)),
+        Scope::Arm => !moved.is_empty(),
+    };
+    (acts_upon_arm(effect) && is_moved) || (effect.about().dry && rounded.contains(&joint))
 }
 
 /// Whether an effect shifts or spreads torque in time.

@@ -302,7 +302,7 @@ impl<'a> Judge<'a> {
         let p = self.fit.structure_p(kept, index, structure)?;
         let of_all = family_wise(p.ln(), self.shapes(kept[index]));
         tracing::debug!(family = ?self.members[kept[index]].candidate.family(), p, of_all, "under structure");
-        Some(Judgement::at_most(Gate::UnderStructure, of_all, self.session.criteria.levels.strict_p))
+        Some(Judgement::at_most(Gate::UnderStructure, of_all, self.session.criteria.levels.sure_p))
     }
 
     /// What the member at `kept[index]` explains beyond generic functions, with the others in the model, where each of the tests that its kind

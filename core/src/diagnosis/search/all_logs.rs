@@ -9,15 +9,15 @@ use super::comparison::{Comparison, InOwnNoise, compare};
 use super::eligible::{Contenders, Refused, Sizes, Standing};
 use super::found::{Found, Rejected, explained_by_play, members};
 use super::reselection::list_alternatives;
-use super::round::Round;
+use super::round::{Round, settled};
 use crate::diagnosis::Options;
 use crate::diagnosis::evidence::{Judged, Multiplicity};
 use crate::diagnosis::model::{Candidate, Session};
 use crate::diagnosis::watch::{Progress, Watch};
 use crate::error::Result;
 
-/// Searches all logs of `session` for more than was `found`, and asks them what else explains that; returns whether more
-/// was found. The `candidates` are those along the training logs.
+/// Searches all logs of `session` for more than was `found`; returns whether more was found, and the candidates along all logs. The
+/// `candidates` are those along the training logs.
 ///
 /// # Errors
 /// If a log is too short to differentiate.
@@ -29,20 +29,19 @@ pub(super) fn search(
     options: &Options,
     rejected: &mut Vec<Rejected>,
     watch: &mut Watch,
-) -> Result<bool> {
+) -> Result<(bool, Vec<Candidate>)> {
     if !session.logs.apart || watch.is_over() {
-        return Ok(false);
+        return Ok((false, Vec::new()));
     }
     let mut all_logs = session.over_all_logs();
     let mut known = found.clone();
     let mut refused: Vec<Refused> = Vec::new();
     let mut in_own_noise = InOwnNoise::default();
-    let mut more = false;
+    let (mut more, mut in_a_row) = (false, 0);
     let sizes = Sizes::new(&all_logs);
     // What happens once is in one log.
     let mut round = Round::over_all_logs(&mut all_logs, &mut known, candidates, options)?;
-    while known.len() < options.max_findings && refused.len() < session.criteria.search.refusals[1] && !watch.is_over()
-    {
+    while known.len() < options.max_findings && in_a_row < session.criteria.search.refusals[1] && !watch.is_over() {
         watch.tell(Progress::Found(known.len()));
         // What errors of the smoothing or extremes imitate is so in all of them.
         let standing = |judged: &Judged, level: f64| match is_confirmable(&judged.candidate) {
@@ -66,21 +65,20 @@ pub(super) fn search(
         match trial.by_others(&winner, level)? {
             Outcome::Accepted(accepted) => {
                 let alternatives = explained_by_play(&all_logs, &known, &accepted.member, alternatives);
+                let joints = accepted.member.candidate.joints();
+                refused.iter_mut().for_each(|other| other.open_on(&joints));
                 known.push(Found::new(*accepted, alternatives));
-                refused.clear();
                 in_own_noise.clear();
-                more = true;
+                (more, in_a_row) = (true, 0);
                 round.renew(&[], &mut all_logs, &mut known, options)?;
             }
             Outcome::Refused(Refusal { may_be, failed, .. }) => {
+                refused.retain(|other| other.slot != winner.candidate.slot());
                 refused.push(contenders.refused(&winner, may_be));
                 rejected.push(Rejected { slot: winner.candidate.slot(), failed });
+                in_a_row += 1;
             }
         }
-    }
-    list_alternatives(&all_logs, &mut known, &round, multiplicity, watch)?;
-    for (finding, known) in found.iter_mut().zip(&known) {
-        finding.set_alternatives(known.alternatives.clone());
     }
     for mut finding in known.into_iter().skip(found.len()) {
         // Its columns along the training logs.
@@ -90,5 +88,29 @@ pub(super) fn search(
         }
         found.push(finding);
     }
-    Ok(more)
+    Ok((more, round.all))
+}
+
+/// Asks all logs of `session` what else explains each finding, among the `candidates` along these.
+///
+/// # Errors
+/// If a log is too short to differentiate.
+pub(super) fn ask_for_alternatives(
+    session: &Session,
+    found: &mut [Found],
+    candidates: &[Candidate],
+    multiplicity: &Multiplicity,
+    watch: &mut Watch,
+) -> Result<()> {
+    if candidates.is_empty() || found.is_empty() {
+        return Ok(());
+    }
+    let mut all_logs = session.over_all_logs();
+    let mut known = found.to_vec();
+    let (whitener, _) = settled(&mut all_logs, &mut known)?;
+    list_alternatives(&all_logs, &mut known, (candidates, &whitener), multiplicity, watch)?;
+    for (finding, known) in found.iter_mut().zip(known) {
+        finding.set_alternatives(known.alternatives);
+    }
+    Ok(())
 }

@@ -7,11 +7,11 @@ use super::eligible::{Contenders, Standing};
 use super::exchange::{exchanged, one_body};
 use super::found::{Alternative, Found, Rejected, explained_by_play, members};
 use super::parsimony::chosen;
-use super::round::Round;
 use crate::diagnosis::Options;
 use crate::diagnosis::criteria::Gate;
 use crate::diagnosis::evidence::{Judged, Multiplicity, Scan};
 use crate::diagnosis::model::{Candidate, Family, Fit, Member, MemberBlock, Session};
+use crate::diagnosis::noise::Whitener;
 use crate::diagnosis::regression::Column;
 use crate::diagnosis::watch::{Progress, Watch};
 use crate::error::Result;
@@ -178,26 +178,26 @@ pub(super) fn reselect(
     Ok(changed)
 }
 
-/// Asks the logs that `session` is identified from, as `round` sees them, what else explains each finding. What errors of the smoothing
-/// imitate is so in all logs: they add no information on gears.
+/// Asks the logs that `session` is identified from what else explains each finding, among the candidates `everywhere` along these, where
+/// `whitener` is the noise with all findings. What errors of the smoothing imitate is so in all logs: they add no information on gears.
 ///
 /// # Errors
 /// If a log is too short to differentiate.
 pub(super) fn list_alternatives(
     session: &Session,
     found: &mut [Found],
-    round: &Round,
+    (everywhere, whitener): (&[Candidate], &Whitener),
     multiplicity: &Multiplicity,
     watch: &mut Watch,
 ) -> Result<()> {
     // Where the residual is well above the noise, more rows separate rivals by what is wrong with both.
     let open = |found: &Found| {
-        let misfit = round.whitener.is_misfit(&found.member.candidate.joints(), session.criteria.levels.misfit);
+        let misfit = whitener.is_misfit(&found.member.candidate.joints(), session.criteria.levels.misfit);
         let is_reported = !session.sampling_makes(&found.member.placed);
         found.can_be_asked() && is_confirmable(&found.member.candidate) && !misfit && is_reported
     };
     let imitated =
-        |family: Family| round.all.iter().any(|candidate| candidate.family() == family && !is_confirmable(candidate));
+        |family: Family| everywhere.iter().any(|candidate| candidate.family() == family && !is_confirmable(candidate));
     // Alternatives of one play no part in those of another.
     let indices: Vec<usize> = (0..found.len()).filter(|&index| open(&found[index])).collect();
     let mut compared = Vec::new();
@@ -208,7 +208,7 @@ pub(super) fn list_alternatives(
         watch.tell(Progress::Found(found.len()));
         let known = &*found;
         let again =
-            together.par_iter().map(|&index| Ok((index, Again::new(session, known, index, &round.all, multiplicity)?)));
+            together.par_iter().map(|&index| Ok((index, Again::new(session, known, index, everywhere, multiplicity)?)));
         compared.extend(again.collect::<Result<Vec<_>>>()?);
     }
     for (index, again) in compared {

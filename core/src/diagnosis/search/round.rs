@@ -59,7 +59,8 @@ impl Round {
         let later = &test.rows;
         let carried_on = carried_on(candidates, &session.model.arm, train.rows.len() - later.len(), later)?;
         let arm = session.model.arm.all_torque(&session.logs.train.rows);
-        let all = Self::renewed(session, carried_on, options, &[])?;
+        let everywhere: Vec<usize> = (0..later.dof()).collect();
+        let all = Self::renewed(session, carried_on, options, [&everywhere, &[]])?;
         Ok(Self::of(session, (whitener, fit), all, arm))
     }
 
@@ -78,24 +79,25 @@ impl Round {
         // The columns of both scans together would take twice the memory.
         self.scan.clear();
         let mut all = std::mem::take(&mut self.all);
-        let mut arm = session.model.arm.all_torque(&session.logs.train.rows);
-        match rounded.is_empty() && has_settled(&self.arm, &arm) {
-            true => arm = std::mem::take(&mut self.arm),
-            false => all = Self::renewed(session, all, options, rounded)?,
+        let mut arm = std::mem::take(&mut self.arm);
+        let moved = follow(&mut arm, &session.model.arm.all_torque(&session.logs.train.rows), rounded);
+        if !moved.is_empty() {
+            all = Self::renewed(session, all, options, [&moved, rounded])?;
         }
         *self = Self::of(session, settled, all, arm);
         Ok(())
     }
 
-    /// The candidates for the arm as estimated, whose friction is `rounded` otherwise on some joints.
+    /// The candidates for the arm as estimated, whose torque is another on the joints `moved` and whose friction is rounded otherwise on those
+    /// `rounded`.
     fn renewed(
         session: &Session,
         candidates: Vec<Candidate>,
         options: &Options,
-        rounded: &[usize],
+        [moved, rounded]: [&[usize]; 2],
     ) -> Result<Vec<Candidate>> {
         let asked = session.model.asked(&options.candidates);
-        renewed(candidates, &session.model.arm, &session.logs.train.rows, asked, rounded)
+        renewed(candidates, &session.model.arm, &session.logs.train.rows, asked, [moved, rounded])
     }
 
     fn of(session: &Session, (whitener, fit): (Whitener, Projection), all: Vec<Candidate>, arm: Column) -> Self {
@@ -104,15 +106,20 @@ impl Round {
     }
 }
 
-/// Whether the torque of an arm changed by no more than [`SETTLED`] of it on any joint.
-fn has_settled(before: &Column, after: &Column) -> bool {
-    let mut change = after.clone();
-    change.add(-1.0, before);
+/// The joints on which the torque of the arm changed by more than [`SETTLED`] of it, or whose friction is `rounded` otherwise: `arm` becomes
+/// what it is `now` there.
+fn follow(arm: &mut Column, now: &Column, rounded: &[usize]) -> Vec<usize> {
     let square = |values: &[f64]| values.iter().map(|x| x * x).sum::<f64>();
-    change
-        .parts
-        .iter()
-        .all(|(joint, change)| square(change) <= SETTLED * SETTLED * square(before.part(*joint).unwrap_or_default()))
+    let mut moved = Vec::new();
+    for (joint, now) in &now.parts {
+        let Some((_, before)) = arm.parts.iter_mut().find(|(other, _)| other == joint) else { continue };
+        let change = before.iter().zip(now).map(|(before, now)| (now - before).powi(2)).sum::<f64>();
+        if rounded.contains(joint) || change > SETTLED * SETTLED * square(before) {
+            before.clone_from(now);
+            moved.push(*joint);
+        }
+    }
+    moved
 }
 
 /// The noise under what was `found` and the fit of that, with estimates written back.
@@ -169,10 +176,20 @@ mod tests {
     use super::*;
 
     #[test]
-    fn an_arm_that_changes_by_one_percent_on_a_joint_is_another() {
+    fn an_arm_that_changes_by_one_percent_on_a_joint_is_another_there() {
         let arm = |torques: [f64; 2]| Column::new(torques.map(|torque| vec![torque, -torque]));
-        let settled = |after: [f64; 2]| has_settled(&arm([100.0, 1.0]), &arm(after));
-        assert!(settled([100.99, 1.0099]) && !settled([101.01, 1.0]) && !settled([100.0, 0.9899]));
-        assert!(has_settled(&arm([0.0, 0.0]), &arm([0.0, 0.0])) && !has_settled(&arm([0.0, 0.0]), &arm([0.0, 1e-9])));
+        let moved = |before: [f64; 2], after: [f64; 2], rounded: &[usize]| {
+            let mut followed = arm(before);
+            let moved = follow(&mut followed, &arm(after), rounded);
+            let expected = [0, 1].map(|joint| if moved.contains(&joint) { after[joint] } else { before[joint] });
+            assert_eq!(followed, arm(expected));
+            moved
+        };
+        assert_eq!(moved([100.0, 1.0], [100.99, 1.0099], &[]), [0; 0]);
+        assert_eq!(moved([100.0, 1.0], [101.01, 1.0], &[]), [0]);
+        assert_eq!(moved([100.0, 1.0], [100.0, 0.9899], &[]), [1]);
+        assert_eq!(moved([0.0, 0.0], [0.0, 1e-9], &[]), [1]);
+        // Friction that is rounded otherwise changes what depends on it by more than the torque of the arm.
+        assert_eq!(moved([100.0, 1.0], [100.0, 1.0], &[0]), [0]);
     }
 }

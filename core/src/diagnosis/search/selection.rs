@@ -49,6 +49,8 @@ pub(crate) struct Selection {
     pub ranking: Vec<Ranked>,
     /// That to every family that could be tested last on the training logs.
     pub sensitivity: BTreeMap<Family, Sensitivity>,
+    /// The candidates along all logs; none where these were not searched.
+    everywhere: Vec<Candidate>,
 }
 
 /// Searches for effects until no more pass, or `watch` ends the search; it hears the number of effects found so far.
@@ -115,13 +117,24 @@ pub(crate) fn select(session: &mut Session, options: &Options, watch: &mut Watch
     }
     let sensitivity = scan.sensitivity(|column| sizes.least_factor(column));
     drop(scan);
-    let more = all_logs::search(session, &mut found, all, &multiplicity, options, &mut rejected, watch)?;
+    let (more, everywhere) = all_logs::search(session, &mut found, all, &multiplicity, options, &mut rejected, watch)?;
     if more || simpler || reselected || dropped {
         (whitener, _) = settled(session, &mut found)?;
     }
     let held_out = held_out_steps(session, &mut found, &whitener)?;
     let rejected = in_the_end(rejected, &found);
-    Ok(Selection { found, is_full, rejected, whitener, first_whitener, held_out, multiplicity, ranking, sensitivity })
+    Ok(Selection {
+        found,
+        is_full,
+        rejected,
+        whitener,
+        first_whitener,
+        held_out,
+        multiplicity,
+        ranking,
+        sensitivity,
+        everywhere,
+    })
 }
 
 /// Whether events were looked for: every look fits each window of time anew.
@@ -293,6 +306,14 @@ impl Selection {
         (self.whitener, _) = settled(session, &mut self.found)?;
         self.held_out = held_out_steps(session, &mut self.found, &self.whitener)?;
         Ok(())
+    }
+
+    /// Asks all logs what else explains each of the effects found: once what does not matter is out.
+    ///
+    /// # Errors
+    /// If a log is too short to differentiate.
+    pub(crate) fn ask_for_alternatives(&mut self, session: &Session, watch: &mut Watch) -> Result<()> {
+        all_logs::ask_for_alternatives(session, &mut self.found, &self.everywhere, &self.multiplicity, watch)
     }
 
     /// Takes the held-out residuals again, after the effects found were fitted again.

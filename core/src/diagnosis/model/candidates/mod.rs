@@ -11,7 +11,7 @@ pub(crate) use extent::extent;
 use extent::highest_harmonic;
 
 use super::arm_columns::Moved;
-use super::roles::{acts_upon_arm, depends_on_rounding, is_event, linear};
+use super::roles::{acts_upon_arm, is_event, is_outdated, linear};
 use crate::diagnosis::logs::Rows;
 use crate::diagnosis::regression::{Column, joints_of};
 use crate::effects::{Effect, Extent, Hidden, LIBRARY, Nature, Placed, Role};
@@ -226,8 +226,8 @@ pub(crate) fn carried_on(
     Ok(candidates)
 }
 
-/// The same candidates for the arm as found since, whose friction is `rounded` otherwise on some joints: those that depend on either are
-/// renewed.
+/// The same candidates for the arm as found since, whose torque is another on the joints `moved` and whose friction is rounded otherwise on
+/// those `rounded`: those that depend on either are renewed.
 ///
 /// # Errors
 /// If a log is too short to differentiate.
@@ -236,11 +236,11 @@ pub(crate) fn renewed(
     arm: &Arm,
     rows: &Rows,
     asked: Asked,
-    rounded: &[usize],
+    [moved, rounded]: [&[usize]; 2],
 ) -> Result<Vec<Candidate>> {
-    let depends = |effect: &dyn Effect, joint: usize| depends_on_rounding(effect, joint, rounded);
-    candidates.retain(|candidate| !depends(candidate.placed.effect, candidate.placed.joint));
-    candidates.extend(at(arm, rows, wanted(rows, asked), asked.open_play, depends)?);
+    let is_renewed = |effect: &dyn Effect, joint: usize| is_outdated(effect, joint, moved, rounded);
+    candidates.retain(|candidate| !is_renewed(candidate.placed.effect, candidate.placed.joint));
+    candidates.extend(at(arm, rows, wanted(rows, asked), asked.open_play, is_renewed)?);
     Ok(candidates)
 }
 
@@ -348,11 +348,12 @@ mod tests {
         let (sharp, wide) = (rounded(Rounding::Sharp), rounded(Rounding::Tanh(0.1)));
         for ((one, sharp), wide) in placed.iter().zip(&sharp).zip(&wide) {
             let name = one.effect.about().name;
-            let depends = |joint: usize| depends_on_rounding(one.effect, joint, &[0, 3]);
-            assert!(sharp == wide || (depends(0) && depends(3)), "{name}");
-            assert!(sharp != wide || !depends(0) || acts_upon_arm(one.effect), "{name}");
+            // The torque of the arm holds its friction.
+            let is_renewed = |joint: usize| is_outdated(one.effect, joint, &[0, 3], &[0, 3]);
+            assert!(sharp == wide || (is_renewed(0) && is_renewed(3)), "{name}");
+            assert!(sharp != wide || !is_renewed(0) || acts_upon_arm(one.effect), "{name}");
             assert!(!one.effect.about().dry || one.effect.about().scope == Scope::Joint, "{name}");
-            assert!(!depends(1) || acts_upon_arm(one.effect), "{name}");
+            assert!(!is_renewed(1) || (acts_upon_arm(one.effect) && one.effect.about().scope == Scope::Arm), "{name}");
         }
     }
 

@@ -380,6 +380,7 @@ mod tests {
                 next: None,
                 shown: None,
                 factors,
+                currents: false,
                 factor_bounds: Vec::new(),
                 by_bodies: false,
                 spread: None,

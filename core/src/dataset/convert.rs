@@ -41,6 +41,7 @@ impl Dataset {
             };
             scale(&mut torque_factor, constant);
         }
+        sieved.currents &= units.torque.is_none() && !currents;
         // A torque constant without a gear is that at the joint.
         let usual = if currents && gear.is_some() { Side::Motor } else { Side::Joint };
         match (at_motor(motors.torque_at, usual), &gear) {

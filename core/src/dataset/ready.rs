@@ -69,7 +69,11 @@ pub fn ready([train, test]: [Vec<(PathBuf, Sieved)>; 2], robot: &Robot) -> Resul
     logs.notes.extend(units.lines(robot).into_iter().map(|(_, place, text)| format!("{place}: {text}")));
     logs.units = units;
     let is_another = reports.iter().any(quality::Report::is_of_another_robot);
-    let is_unequal = verdict.as_ref().is_some_and(|verdict| verdict.factors.len() > 1);
+    let are_currents = verdict.as_ref().is_some_and(|verdict| verdict.currents);
+    let is_unequal = verdict.as_ref().is_some_and(|verdict| match verdict.currents {
+        true => verdict.has_unlike_factors(),
+        false => verdict.factors.len() > 1,
+    });
     logs.torque_is_scaled = verdict.as_ref().is_some_and(|verdict| verdict.description.scaled().next().is_some());
     logs.correction = verdict.filter(|verdict| verdict.beyond_doubt && !is_another).map(|verdict| verdict.description);
     let mut findings = Vec::new();
@@ -96,7 +100,10 @@ pub fn ready([train, test]: [Vec<(PathBuf, Sieved)>; 2], robot: &Robot) -> Resul
         logs.notes.extend(sieved.corrections.iter().map(|note| format!("{}: {note}", path.display())));
         let told = quality::standing_together(&report.findings);
         let noted = told.iter().filter(|finding| {
-            let changes_the_fit = matches!(finding.kind, quality::Kind::ModelTorque | quality::Kind::MotorOff);
+            let changes_the_fit = matches!(
+                finding.kind,
+                quality::Kind::ModelTorque | quality::Kind::MotorOff | quality::Kind::TorqueUnit
+            );
             // What is cut off is counted below.
             let is_counted = finding.kind == quality::Kind::Clipped;
             (finding.severity == quality::Severity::Warning && !is_counted) || changes_the_fit
@@ -106,7 +113,7 @@ pub fn ready([train, test]: [Vec<(PathBuf, Sieved)>; 2], robot: &Robot) -> Resul
         unsigned.iter().for_each(|&joint| sieved.recording.tau.channel_mut(joint).fill(f64::NAN));
         let quality::Usable { mut pieces, clipped } = quality::usable(sieved.recording)?;
         if pieces.is_empty() {
-            return Err(Error::input(path, None, "t", "the clock is so full of gaps that no piece of the log is left"));
+            return Err(Error::input(path, None, "t", quality::NO_PIECE));
         }
         let all: usize = pieces.iter().map(Recording::samples).sum();
         let cut_off = clipped.iter().enumerate().filter(|(_, count)| **count > 0).map(|(joint, count)| {
@@ -138,10 +145,15 @@ pub fn ready([train, test]: [Vec<(PathBuf, Sieved)>; 2], robot: &Robot) -> Resul
             }
             false => "Residuals, friction and inertias are in the unit of the log",
         };
-        logs.notes.push(format!(
-            "the torques are not as large as those of the joints: they may be in another unit, or those of motors behind gears{coupled}. {units}: \
-             give [units] torque or [motors] in a dataset"
-        ));
+        logs.notes.push(match are_currents {
+            true => format!(
+                "the torques are motor currents, or percent of rated torques. {units}: give [motors] torque_constant_nm_a in a dataset"
+            ),
+            false => format!(
+                "the torques are not as large as those of the joints: they may be in another unit, or those of motors behind gears{coupled}. \
+                 {units}: give [units] torque or [motors] in a dataset"
+            ),
+        });
     }
     if !unsigned.is_empty() {
         let names: Vec<&str> = unsigned.iter().map(|&joint| robot.joints[joint].name.as_str()).collect();

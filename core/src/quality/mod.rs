@@ -21,7 +21,7 @@ mod units;
 mod velocity;
 mod view;
 
-pub(crate) use channels::{Usable, usable};
+pub(crate) use channels::{NO_PIECE, Usable, usable};
 pub use channels::{clipping, is_saturated};
 pub use examination::{examine, examine_together, inspect};
 pub(crate) use finding::alike_together;

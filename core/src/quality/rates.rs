@@ -2,7 +2,7 @@
 
 use super::descriptions;
 use super::finding::{Finding, Kind, Severity};
-use super::motion::{Gears, OtherUnit, PositionUnits};
+use super::motion::{NoAngles, OtherUnit, PositionUnits};
 use super::places::{grouped, places};
 use super::unit_changes::{OtherRate, UnitChanges};
 use super::velocity;
@@ -59,15 +59,25 @@ fn by_torques(log: &Recording, robot: &Robot) -> Result<Option<OtherUnit>> {
     Ok(descriptions::are_degrees(log, robot)?.then_some(OtherUnit::Degree))
 }
 
-/// The gears before which all joints that turn are logged, where none of them is in rad.
+/// The positions, where none of the joints that turn is in rad and all are shares of ranges, or those before gears.
 ///
 /// # Errors
 /// Those of the filters.
-pub(super) fn gear_ratio(log: &Recording, positions: &PositionUnits, robot: Option<&Robot>) -> Result<Option<Gears>> {
-    match robot.filter(|_| positions.all_turned_doubt()) {
-        Some(robot) => descriptions::gear_ratio(log, robot, &positions.units()),
-        None => Ok(None),
+pub(super) fn not_of_joints(log: &Recording, positions: PositionUnits, robot: Option<&Robot>) -> Result<PositionUnits> {
+    // Shares of a range are within the limits in rad where a joint hardly moves.
+    let [in_doubt, turned] = positions.turned_in_doubt();
+    let Some(robot) = robot.filter(|_| 2 * in_doubt > turned) else { return Ok(positions) };
+    let gears = match in_doubt == turned {
+        true => descriptions::gear_ratio(log, robot, &positions.units())?,
+        false => None,
+    };
+    if let Some(ranges) = descriptions::ranges(log, robot, gears)? {
+        return Ok(positions.of_no_angles(NoAngles::OfRanges(ranges)));
     }
+    Ok(match gears {
+        Some(gears) => positions.of_no_angles(NoAngles::BeforeGears(gears)),
+        None => positions,
+    })
 }
 
 /// The unit of each joint's positions, where it is none of SI. What half of the joints show is assumed of the others, unless their

@@ -25,6 +25,8 @@ pub(super) struct View<'a> {
     pub tau: Channels,
     /// Samples by which the torques come behind the motion, as far as that is known: descriptions are judged without that time.
     pub late: isize,
+    /// Whether the torques are motor currents, or percent of rated torques, by their names.
+    pub is_current: bool,
     /// Speed above which each joint surely moves, rad/s or m/s; none reaches it where the joint hardly moves at all.
     pub band: Vec<f64>,
     /// Samples at which each joint surely moves by its own speed and noise, also where it hardly moves at all.
@@ -61,7 +63,7 @@ impl<'a> View<'a> {
         });
         let (band, moving) = each.unzip();
         let [qdd, tau] = [smooth(&log.q, 2)?, smooth(&log.tau, 0)?];
-        Ok(View { log, period, late: 0, band, moving, q, qd, qdd, tau })
+        Ok(View { log, period, late: 0, is_current: false, band, moving, q, qd, qdd, tau })
     }
 
     /// Number of joints.

@@ -142,14 +142,12 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     let is_another =
         has(|fault| fault.kind.is_another_robot()) && !has(|fault| fault.consequence == Consequence::Corrected);
     let description = answer.description.as_ref().filter(|_| !is_another);
-    match description.filter(|verdict| verdict.leaves_much()) {
-        Some(open) => corrected::refused(open),
-        None => {
-            let (verdict, units) = (description, answer.units.clone());
-            let description = verdict.map(|verdict| &verdict.description);
-            corrected::write(&folder, dataset.as_ref(), &named, &answer.robot, description, verdict, units)?;
-        }
-    }
+    let open = description.filter(|verdict| verdict.leaves_much());
+    open.into_iter().for_each(corrected::refused);
+    // What is sure of the units stays to be written.
+    let verdict = description.filter(|_| open.is_none());
+    let description = verdict.map(|verdict| &verdict.description);
+    corrected::write(&folder, dataset.as_ref(), &named, &answer.robot, description, verdict, answer.units.clone())?;
     folder.write_json("diagnosis.json", DIAGNOSIS_SCHEMA, &answer)?;
     let text = match answer.conclusion() {
         Some(conclusion) => {

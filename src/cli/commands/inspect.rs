@@ -124,10 +124,15 @@ fn correct(
     if (verdict.is_none() && units.is_none()) || is_another {
         return Ok(None);
     }
-    if let Some(open) = verdict.filter(|verdict| verdict.leaves_much()) {
+    // What is sure of the units stays to be written.
+    let open = verdict.filter(|verdict| verdict.leaves_much());
+    if let Some(open) = open {
         corrected::refused(open);
-        return Ok(None);
+        if units.is_none() {
+            return Ok(None);
+        }
     }
+    let verdict = verdict.filter(|_| open.is_none());
     let description = verdict.map(|verdict| &verdict.description);
     let name = named.train[0].file_stem().map_or("log".into(), |stem| stem.to_string_lossy());
     let folder = ResultFolder::create(global.folder(&format!("inspect_{name}")))?;

@@ -70,7 +70,7 @@ fn remarks(verdict: &Verdict, joints: &[String]) -> String {
 /// Reports that a verdict leaves too much of the torques to be written.
 pub(crate) fn refused(verdict: &Verdict) {
     tracing::warn!(
-        "{FILE} is not written: {:.0} % of the torque would stay unexplained with it, so that another cause is not excluded",
+        "{FILE} leaves the torques as they are: {:.0} % of them would stay unexplained with it, so that another cause is not excluded",
         100.0 * verdict.after
     );
 }
@@ -96,6 +96,7 @@ mod tests {
                 next: None,
                 shown: None,
                 factors,
+                currents: false,
                 factor_bounds,
                 by_bodies: false,
                 spread: None,

@@ -1,6 +1,7 @@
 //! `inspect` and `identify` on logs of other programs.
 
 mod files;
+mod first_contact;
 mod headers;
 mod inputs;
 mod motors;

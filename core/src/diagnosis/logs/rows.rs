@@ -62,6 +62,10 @@ pub struct Rows {
     pub rich: OnceLock<Vec<Vec<Vec<f64>>>>,
 }
 
+/// Pieces of a log that are as many, and as short on average, s, are those between the gaps of a bad logger.
+const FEWEST_PIECES: usize = 5;
+const SHORT_S: f64 = 3.0;
+
 impl Rows {
     /// White noise of the measured torque of a joint in means over so many rows, or what the rounding of few digits leaves in them, of the
     /// noisiest log, N m: what its sensor accounts for.
@@ -139,9 +143,11 @@ impl Rows {
             };
             let count = valid.iter().filter(|&&ok| ok).count();
             if count < fewest {
+                let cure = too_torn(recordings, fewest)
+                    .unwrap_or_else(|| "record a longer motion in which this joint takes part".to_owned());
                 let problem = format!(
                     "only {:.1} s of the logs are usable (where the joint surely moves); a \
-                     diagnosis needs {:.0} s or more: record a longer motion in which this joint takes part",
+                     diagnosis needs {:.0} s or more: {cure}",
                     count as f64 * BLOCK_S,
                     fewest as f64 * BLOCK_S
                 );
@@ -325,6 +331,19 @@ fn usable(log: &Log, joint: usize, margin: usize, ends: [usize; 2]) -> Vec<bool>
     let enough = KEPT_SHARE * count(&most);
     let fewer = (REVERSAL_NEIGHBOURS + 1..=margin).rev().map(away);
     fewer.into_iter().find(|rows| count(rows) >= enough).unwrap_or(most)
+}
+
+/// What helps where gaps cut the logs into pieces so short that the filters leave little of them; `fewest` rows are needed.
+fn too_torn(recordings: &[&Recording], fewest: usize) -> Option<String> {
+    let seconds: f64 = recordings.iter().map(|recording| recording.duration()).sum();
+    let mean_s = seconds / recordings.len().max(1) as f64;
+    (recordings.len() >= FEWEST_PIECES && mean_s < SHORT_S && seconds > fewest as f64 * BLOCK_S).then(|| {
+        format!(
+            "gaps of the clock cut the {seconds:.0} s of the logs into {} pieces of {mean_s:.1} s, of which the filters need the ends: the motion is \
+             long enough, but log it without gaps (a queue or a real-time priority for the logger, fewer topics, a local disk)",
+            recordings.len()
+        )
+    })
 }
 
 #[cfg(test)]

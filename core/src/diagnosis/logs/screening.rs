@@ -160,17 +160,22 @@ fn ready(name: String, sieved: Sieved, report: quality::Report) -> Result<Screen
         let problem = format!("{}: the log cannot be used: {}", finding.place, finding.text);
         return Err(Error::request(name, problem));
     }
+    // Currents of motors with unlike constants are torques of no bodies.
+    let in_unlike_units = report.description.as_ref().is_some_and(Verdict::has_unlike_factors);
     let faults = quality::alike_together(&report.findings)
         .into_iter()
         .filter_map(|finding| {
-            let consequence = consequence(finding.kind, finding.severity)?;
+            let consequence = match finding.kind {
+                Kind::TorqueUnit if in_unlike_units => Consequence::Stops,
+                kind => consequence(kind, finding.severity)?,
+            };
             let quality::Finding { kind, place, text, .. } = finding;
             Some(DataFault { kind, log: name.clone(), place, text, consequence })
         })
         .collect();
     let quality::Usable { pieces, .. } = quality::usable(sieved.recording)?;
     if pieces.is_empty() {
-        return Err(Error::request(name, "the clock is so full of gaps that no piece of the log is left"));
+        return Err(Error::request(name, quality::NO_PIECE));
     }
     Ok(Screened { name, pieces, faults, verdict: report.description })
 }
@@ -256,6 +261,9 @@ fn consequence(kind: Kind, severity: Severity) -> Option<Consequence> {
         // Rows that show by themselves which source they are of are left out.
         Kind::TwoSources if severity == Severity::Warning => Some(Consequence::LeftOut),
         Kind::OtherRobot if severity > Severity::Note => Some(Consequence::Doubts),
+        Kind::UnusedColumns if severity > Severity::Note => Some(Consequence::Noted),
+        // Motor currents whose constants are alike.
+        Kind::TorqueUnit if severity == Severity::Note => Some(Consequence::Noted),
         // A clock that could not be corrected, or an arm of another size.
         Kind::ClockFactor if severity > Severity::Note => Some(Consequence::Doubts),
         Kind::Swapped

@@ -23,7 +23,7 @@ pub(super) use digits::{extremes, resolution, runs};
 pub(super) use frozen::{rows as frozen_rows, with_frozen_position};
 pub(super) use jumps::Jumps;
 use motor_off::{motor_off, off};
-pub(crate) use usable::{Usable, usable};
+pub(crate) use usable::{NO_PIECE, Usable, usable};
 
 /// No joint is faster, rad/s: a sample that is left and reached faster is a spike.
 const FASTEST: f64 = 50.0;

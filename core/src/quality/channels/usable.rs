@@ -10,6 +10,10 @@ use crate::recording::{Recording, resample};
 /// Time on either side of a clipped sample that is left out with it, s: noise hides there how much was cut off.
 const AROUND_CLIPPED_S: f64 = 0.04;
 
+/// Said of a log of which nothing is left.
+pub(crate) const NO_PIECE: &str = "the clock is so full of gaps that no piece of the log is left, since 50 rows without a long gap make one: log it \
+                                   without gaps (a queue or a real-time priority for the logger, fewer topics, a local disk)";
+
 /// The part of a log that can be used.
 pub(crate) struct Usable {
     /// The pieces between long gaps and places at which all positions jump, at even steps; torque that must not be used is not a number there.

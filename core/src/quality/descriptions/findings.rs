@@ -195,6 +195,35 @@ fn before_gears(gears: &[f64], joints: &[String]) -> String {
     )
 }
 
+/// The torque constants that make torques of motor currents, or of percent.
+fn of_currents(verdict: &Verdict, joints: &[String]) -> String {
+    let constants: Vec<Option<f64>> = verdict.factors.iter().map(|factor| factor.map(f64::recip)).collect();
+    let unknown: Vec<&str> =
+        constants.iter().zip(joints).filter(|(own, _)| own.is_none()).map(|(_, joint)| joint.as_str()).collect();
+    let list =
+        constants.iter().map(|own| own.map_or_else(|| "?".to_owned(), in_three_digits)).collect::<Vec<_>>().join(", ");
+    let unknown = match unknown.is_empty() {
+        true => String::new(),
+        false => format!("; the motion does not determine that of {}: take it from the data sheet", unknown.join(", ")),
+    };
+    let load = if verdict.factor_bounds.iter().any(Option::is_some) {
+        LOAD.replace("changes it", "changes them")
+    } else {
+        String::new()
+    };
+    format!(
+        "the torques are motor currents, or percent of rated torques, by their names. The bodies of the URDF need these torque constants at the \
+         joints, N m per A or per percent: [units] torque = \"A\", [motors] torque_constant_nm_a = [{list}] in a dataset makes torques of \
+         them{unknown}{load}"
+    )
+}
+
+/// A number in three digits.
+fn in_three_digits(value: f64) -> String {
+    let digits = (2.0 - value.abs().log10().floor()).clamp(0.0, 9.0) as usize;
+    format!("{value:.digits$}")
+}
+
 /// What shows a change that the residuals do not show.
 fn not_by_residuals(shown: Shown, joints: &[String]) -> String {
     match shown {
@@ -280,7 +309,9 @@ pub(crate) fn findings(verdict: &Verdict, joints: &[String], robot: Option<&Robo
         .iter()
         .enumerate()
         .map(|(place, &change)| {
-            let others: Vec<Change> = changes.iter().copied().filter(|other| *other != change).collect();
+            let is_current = |other: &Change| verdict.currents && matches!(other, Change::TorqueScale(_));
+            let others: Vec<Change> =
+                changes.iter().copied().filter(|other| *other != change && !is_current(other)).collect();
             let own = words(change, joints);
             // The first of them holds what is known of all.
             if place > 0 && !matches!(change, Change::TorqueScale(_)) {
@@ -305,6 +336,7 @@ pub(crate) fn findings(verdict: &Verdict, joints: &[String], robot: Option<&Robo
                 _ => own,
             };
             let text = match (change, rivals.is_empty()) {
+                (Change::TorqueScale(_), _) if verdict.currents => format!("{}; {gain}", of_currents(verdict, joints)),
                 (Change::TorqueScale(factor), _) => {
                     let shared = verdict.factor_bounds.first().copied().flatten();
                     let own = match verdict.factors.len() {
@@ -323,7 +355,9 @@ pub(crate) fn findings(verdict: &Verdict, joints: &[String], robot: Option<&Robo
                 ),
             };
             let (kind, place) = kind(change, joints);
-            Finding::new(kind, Severity::Warning, place, text)
+            // Currents that are named as such are no fault.
+            let is_note = verdict.currents && matches!(change, Change::TorqueScale(_));
+            Finding::new(kind, if is_note { Severity::Note } else { Severity::Warning }, place, text)
         })
         .collect::<Vec<Finding>>();
     of_held.iter().cloned().chain(of_changes).collect()

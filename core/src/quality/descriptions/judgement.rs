@@ -1,6 +1,6 @@
 //! The judgement of a description: without the bodies of the arm first, then with them; then the scale of the torques.
 
-use super::bodies::{at_rest, compensation};
+use super::bodies::{at_rest, compensation, currents};
 use super::change::{Change, Description};
 use super::compare::compare;
 use super::fitting::{Fit, Friction, Physics, Rows};
@@ -87,7 +87,9 @@ pub(crate) fn judge(views: &[&View], robot: Option<&Robot>) -> Judged {
         return Judged { verdict: None, tilt: None, gravity_alone: Some(shares) };
     }
     let mut tilt = None;
-    let mut verdict = changed(views, robot, &mut tilt);
+    let of_currents =
+        robot.filter(|_| views.iter().any(|view| view.is_current)).and_then(|robot| of_currents(views, robot));
+    let mut verdict = of_currents.or_else(|| changed(views, robot, &mut tilt));
     if let (Some(verdict), Some(robot)) = (&mut verdict, robot)
         && !verdict.factors.is_empty()
         && let Some(rows) = Rows::new(views, Some(robot))
@@ -95,6 +97,15 @@ pub(crate) fn judge(views: &[&View], robot: Option<&Robot>) -> Judged {
         verdict.factor_bounds = bounds::of_factors(robot, &rows, &verdict.description, &verdict.factors);
     }
     Judged { tilt: tilt.filter(|_| verdict.is_none()), verdict, gravity_alone: None }
+}
+
+/// The verdict on motor currents: the torque constants of the described bodies, and what is wrong besides.
+fn of_currents(views: &[&View], robot: &Robot) -> Option<Verdict> {
+    let rows = Rows::new(views, Some(robot))?;
+    let start = Description::as_given(robot.dof(), robot.gravity);
+    let currents::Currents { before, after, factors } =
+        currents::constants(robot, &rows, &jumps::with_motion(views), &start)?;
+    Some(Verdict { currents: true, ..untraced_verdict(&before, after, factors) })
 }
 
 /// What explains the logs clearly better; `tilt` is set where a search finds a base that is tilted a little.
@@ -263,6 +274,7 @@ fn together(first: Verdict, more: Verdict) -> Verdict {
         before: first.before,
         each: [before, after],
         factors: first.factors,
+        currents: first.currents,
         by_bodies: first.by_bodies || more.by_bodies,
         spread: more.spread.or(first.spread),
         assumed: if first.assumed.is_empty() { more.assumed } else { first.assumed },
@@ -296,6 +308,7 @@ fn untraced_verdict(before: &Tried, after: Tried, factors: Vec<Option<f64>>) -> 
         shown: None,
         description: after.description,
         factors,
+        currents: false,
         factor_bounds: Vec::new(),
         by_bodies: false,
         spread: None,
@@ -336,6 +349,7 @@ fn verdict(outcome: Outcome, spread: Option<Spread>, confirmed: impl Fn(&Found) 
         shown: None,
         description: found.best.description,
         factors: Vec::new(),
+        currents: false,
         factor_bounds: Vec::new(),
         by_bodies: !found.is_determined,
         spread,

@@ -50,7 +50,7 @@ pub use findings::{is_description, words};
 pub(super) use judgement::{Judged, is_modelled, judge};
 pub(super) use lost_signs::{is_explained_with_signs, without_sign};
 pub(super) use motion_units::{
-    ClockFactor, are_degrees, are_radians, are_turns, clock_factor, clock_text, gear_ratio, in_si_units,
+    ClockFactor, are_degrees, are_radians, are_turns, clock_factor, clock_text, gear_ratio, in_si_units, ranges,
     torques_deny_clock, unsure_clock_text,
 };
 pub use verdict::{Alternative, Shown, Spread, Verdict};

@@ -131,7 +131,9 @@ pub struct Verdict {
     pub shown: Option<Shown>,
     /// Factors of the torques to those of the described bodies, where their scale is wrong.
     pub factors: Vec<Option<f64>>,
-    /// Bounds of these, where they are wide: a load that the robot's file lacks changes the factors.
+    /// Whether the torques are motor currents, or percent of rated torques, by their names: the factors are amperes or percent per torque.
+    pub currents: bool,
+    /// Bounds of the factors, where they are wide: a load that the robot's file lacks changes the factors.
     pub factor_bounds: Vec<Option<[f64; 2]>>,
     /// Whether the direction of gravity is that which the described bodies prefer: the mechanism alone determines none.
     pub by_bodies: bool,
@@ -149,7 +151,16 @@ pub struct Verdict {
     pub beyond_doubt: bool,
 }
 
+/// Ratio of the largest factor to the smallest up to which all joints are in one unit: what a factor of one joint is wrong by, by the others.
+const UNLIKE: f64 = 1.3;
+
 impl Verdict {
+    /// Whether the factors of the torques differ so much that no bodies fit all joints in one unit.
+    pub fn has_unlike_factors(&self) -> bool {
+        let known = || self.factors.iter().flatten().map(|factor| factor.abs());
+        known().fold(0.0, f64::max) > UNLIKE * known().fold(f64::INFINITY, f64::min)
+    }
+
     /// Whether so much of the torques stays unexplained under a factor of them that a cause unlike it may be behind that: positions and
     /// torques of motors behind unlike gears, or another robot, leave as much. Bodies that are described wrongly leave less.
     pub fn leaves_much(&self) -> bool {

@@ -65,6 +65,7 @@ impl<'a> Read<'a> {
         }
         let mut findings = clock::findings(sieved, &clock, units.time_factor.unwrap_or(1.0));
         findings.extend(unused_columns::finding(sieved, robot));
+        findings.extend(unused_columns::ambiguous(sieved));
         findings.extend(robot.map_or(Vec::new(), |robot| joint_names::findings(sieved, robot)));
         let mut read = Read { sieved, robot, clock, findings, summaries: Vec::new(), units, signals: None };
         if read.is_usable() {
@@ -88,10 +89,7 @@ impl<'a> Read<'a> {
         // Derivatives across a long gap are those of no motion.
         let longest = resample::longest_stretch(recording).map(|rows| resample::evenly(&recording.slice(rows)));
         let of_units = longest.as_ref().unwrap_or(&even);
-        let position_units = match rates::gear_ratio(of_units, &position_units, robot)? {
-            Some(gears) => position_units.before_gears(gears),
-            None => position_units,
-        };
+        let position_units = rates::not_of_joints(of_units, position_units, robot)?;
         self.units = rates::found(of_units, &position_units, robot)?;
         self.findings.extend(rates::findings(&self.units, &position_units, &view));
         // All else is asked of positions in rad and m, and of motion in true time: what comes of a wrong unit is no fault of its own.

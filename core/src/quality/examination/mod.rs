@@ -64,7 +64,7 @@ pub fn examine_together(logs: &[&Sieved], robot: Option<&Robot>) -> Result<Toget
     let examined = read.into_par_iter().zip(clocks).map(|(read, clock)| read.examined(clock));
     let (mut reports, mut torques): (Vec<Report>, Vec<_>) = examined.collect::<Result<Vec<_>>>()?.into_iter().unzip();
     let with_torque: Vec<usize> = (0..logs.len()).filter(|&log| torques[log].is_some()).collect();
-    let mut views = views_of(&torques, robot)?;
+    let mut views = views_of(logs, &torques, robot)?;
     let mut judged = Descriptions::of(&views, robot);
     let lost = judged.without_sign(&views, robot, &reports);
     if !lost.is_empty() {
@@ -72,7 +72,7 @@ pub fn examine_together(logs: &[&Sieved], robot: Option<&Robot>) -> Result<Toget
         for &log in &with_torque {
             leave_out(&mut reports[log], torques[log].as_mut(), &lost);
         }
-        views = views_of(&torques, robot)?;
+        views = views_of(logs, &torques, robot)?;
         judged = Descriptions::of(&views, robot);
     }
     let all: Vec<&View> = views.iter().collect();
@@ -155,8 +155,17 @@ pub fn examine_together(logs: &[&Sieved], robot: Option<&Robot>) -> Result<Toget
 }
 
 /// The logs whose torques can be compared with motion.
-fn views_of<'a>(torques: &'a [Option<(Recording, isize)>], robot: Option<&'a Robot>) -> Result<Vec<View<'a>>> {
-    torques.iter().flatten().map(|(log, late)| Ok(View { late: *late, ..View::new(log, robot)? })).collect()
+fn views_of<'a>(
+    logs: &[&Sieved],
+    torques: &'a [Option<(Recording, isize)>],
+    robot: Option<&'a Robot>,
+) -> Result<Vec<View<'a>>> {
+    let of = |(log, torques): (&&Sieved, &'a Option<(Recording, isize)>)| {
+        let (recording, late) = torques.as_ref()?;
+        let view = View::new(recording, robot);
+        Some(view.map(|view| View { late: *late, is_current: log.currents || log.of_rated, ..view }))
+    };
+    logs.iter().zip(torques).filter_map(of).collect()
 }
 
 /// What is wrong with the description of some logs.

@@ -3,12 +3,16 @@
 mod coupled;
 mod exchange;
 mod gears;
+mod no_angles;
 mod position_unit;
+mod ranges;
 mod summary;
 
 pub(crate) use gears::Gears;
+pub(crate) use no_angles::NoAngles;
 pub use position_unit::OtherUnit;
 pub(crate) use position_unit::PositionUnits;
+pub(crate) use ranges::Ranges;
 pub(crate) use summary::summaries;
 pub use summary::{Constant, JointSummary};
 

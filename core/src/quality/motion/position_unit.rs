@@ -1,7 +1,7 @@
 //! Whether positions are in rad and m, or in degrees, mrad, mm or um.
 
 use super::exchange::{self, NOT_FASTER, WITHIN};
-use super::gears::{self, Gears};
+use super::no_angles::NoAngles;
 use super::summary::JointSummary;
 use crate::quality::places::grouped;
 use crate::quality::velocity;
@@ -202,8 +202,8 @@ pub(crate) struct PositionUnits {
     /// For each joint the one whose positions it may have.
     exchanged: Vec<Option<usize>>,
     kinds: Vec<JointKind>,
-    /// The gears, where the positions are those of motors.
-    gear: Option<Gears>,
+    /// What the positions of joints that turn are, where they are no angles of these.
+    no_angles: Option<NoAngles>,
 }
 
 impl PositionUnits {
@@ -236,7 +236,7 @@ impl PositionUnits {
         let partner = |joint: usize| exchange::partner(robot.filter(|_| doubts[joint].is_some())?, summaries, joint);
         let exchanged: Vec<Option<usize>> = (0..view.dof()).map(partner).collect();
         doubts.iter_mut().zip(&exchanged).filter(|(_, other)| other.is_some()).for_each(|(doubt, _)| *doubt = None);
-        PositionUnits { doubts, exchanged, kinds, gear: None }
+        PositionUnits { doubts, exchanged, kinds, no_angles: None }
     }
 
     /// The joint whose positions this one may have: in each other's place both are within their limits.
@@ -254,17 +254,17 @@ impl PositionUnits {
         self.doubts[joint].is_some()
     }
 
-    /// Whether no joint that turns is in rad as far as its positions show.
-    pub(crate) fn all_turned_doubt(&self) -> bool {
-        let mut turned = (0..self.kinds.len()).filter(|&joint| self.kinds[joint] == JointKind::Revolute).peekable();
-        turned.peek().is_some() && turned.all(|joint| self.doubts(joint))
+    /// Joints that turn and are not in rad as far as their positions show, and all that turn.
+    pub(crate) fn turned_in_doubt(&self) -> [usize; 2] {
+        let turned = || (0..self.kinds.len()).filter(|&joint| self.kinds[joint] == JointKind::Revolute);
+        [turned().filter(|&joint| self.doubts(joint)).count(), turned().count()]
     }
 
-    /// The same where the positions of joints that turn are those of motors behind gears of a ratio: in no unit of the joints.
-    pub(crate) fn before_gears(mut self, gears: Gears) -> Self {
+    /// The same where the positions of joints that turn are none of angles of the joints: in no unit of these.
+    pub(crate) fn of_no_angles(mut self, positions: NoAngles) -> Self {
         let turned = self.doubts.iter_mut().zip(&self.kinds).filter(|(_, kind)| **kind == JointKind::Revolute);
         turned.for_each(|(doubt, _)| *doubt = Some(Vec::new()));
-        self.gear = Some(gears);
+        self.no_angles = Some(positions);
         self
     }
 
@@ -322,29 +322,16 @@ impl PositionUnits {
         let text = |si: &str, unit: Option<OtherUnit>, joints: &[usize]| {
             let fastest = joints.iter().map(|&joint| summaries[joint].speed).fold(0.0, f64::max);
             let largest = largest(joints);
-            match unit {
-                Some(unit) => format!(
+            let turns = self.kinds[joints[0]] == JointKind::Revolute;
+            match (unit, self.no_angles.as_ref().filter(|_| turns)) {
+                (None, Some(positions)) => positions.text(largest),
+                (Some(unit), _) => format!(
                     "the positions are in {}: up to {largest:.1}, at up to {fastest:.1} per second, they are far too large in {si}; convert \
                      them, or set [units] position = \"{}\" in a dataset",
                     unit.words(),
                     unit.symbol()
                 ),
-                None if self.gear.is_some() && self.kinds[joints[0]] == JointKind::Revolute => {
-                    let ratio = self.gear.map_or(1.0, |gear| gear.ratio);
-                    let signs = match self.gear.is_some_and(|gear| gear.some_reversed) {
-                        true => {
-                            "; some motors turn the other way than their joints, which an inspection with the gears names ([motors] sign)"
-                        }
-                        false => "",
-                    };
-                    format!(
-                        "the positions are those of the motors, before gears of about {ratio:.0}: up to {largest:.1}, they are so many times too \
-                         large in rad, and in no unit do they explain the torques as well. Give the gears in a dataset ([motors] gear_ratio = \
-                         {ratio:.0}, position_at = \"motor\"; torque_at = \"motor\" for torques of the motors){signs}{}",
-                        gears::or_shares(largest)
-                    )
-                }
-                None => {
+                (None, None) => {
                     let else_ = Units::of(self.kinds[joints[0]]).else_;
                     format!("positions up to {largest:.3e} are {else_} Convert them to {si} at the joint")
                 }

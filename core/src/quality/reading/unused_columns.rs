@@ -29,6 +29,13 @@ pub(crate) fn finding(sieved: &Sieved, robot: Option<&Robot>) -> Option<Finding>
     (!notes.is_empty()).then(|| Finding::new(Kind::UnusedColumns, Severity::Note, "header", notes.join("; ")))
 }
 
+/// Findings about columns that are called as others are and hold other values.
+pub(crate) fn ambiguous(sieved: &Sieved) -> impl Iterator<Item = Finding> {
+    let finding =
+        |[name, text]: &[String; 2]| Finding::new(Kind::UnusedColumns, Severity::Warning, name.as_str(), text.as_str());
+    sieved.ambiguous.iter().map(finding)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

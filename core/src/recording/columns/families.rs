@@ -49,16 +49,17 @@ pub(super) fn candidates<'a>(
 }
 
 /// Those columns, of all that could be the same quantity, that are called alike: measured torques before those of a controller, torques
-/// before currents, those of more joints, and names that this program writes before others.
+/// before currents, those of more joints, the joint's side of the gear before the motor's, and names that this program writes before others.
 pub(super) fn best_family(candidates: Vec<Candidate>) -> Vec<Candidate> {
     let mut families: BTreeMap<&str, Vec<Candidate>> = BTreeMap::new();
     for candidate in candidates {
         families.entry(&candidate.meaning.family).or_default().push(candidate);
     }
-    let order = |family: &Vec<Candidate>| -> ((bool, bool), std::cmp::Reverse<usize>, u8) {
+    let order = |family: &Vec<Candidate>| -> ((bool, bool), std::cmp::Reverse<usize>, bool, u8) {
         let first = family.first().map(|candidate| candidate.meaning);
         let kind = (first.is_some_and(|m| m.of_controller), first.is_some_and(|m| m.current));
-        (kind, std::cmp::Reverse(family.len()), first.map_or(0, |m| m.rank))
+        let of_motor = first.is_some_and(|meaning| !meaning.current && names::is_of_motor(&meaning.family));
+        (kind, std::cmp::Reverse(family.len()), of_motor, first.map_or(0, |m| m.rank))
     };
     let Some(best) = families.values().min_by_key(|family| order(family)).and_then(|family| family.first()) else {
         return Vec::new();
@@ -129,7 +130,7 @@ pub(super) fn any_position(meanings: &[Vec<Meaning>], names: &[String]) -> bool 
 /// counted from 1. Empty unless there are `count` of them without a hole; a gripper beside them has no number.
 pub(super) fn numbers_in_names(names: &[String], count: usize) -> BTreeMap<String, usize> {
     if names.len() > count {
-        let arm: Vec<String> = without_grippers(names);
+        let arm: Vec<String> = without_others(names, count);
         return if arm.len() == count { numbers_in_names(&arm, count) } else { BTreeMap::new() };
     }
     if names.len() != count || names.is_empty() {
@@ -159,6 +160,15 @@ fn without_grippers(names: &[String]) -> Vec<String> {
         words.any(|word| OF_GRIPPERS.contains(&word.as_str()))
     };
     names.iter().filter(|name| !is_of_gripper(name)).cloned().collect()
+}
+
+/// The names that are none of a gripper and, where that leaves more than `count`, none of the motors beside the joints.
+fn without_others(names: &[String], count: usize) -> Vec<String> {
+    let mut own = without_grippers(names);
+    if own.len() > count {
+        own.retain(|name| !names::is_of_motor(name));
+    }
+    own
 }
 
 /// What controllers call the joints that they do not number, in their order: those of Yaskawa with six and seven axes, and of Universal Robots.
@@ -276,7 +286,7 @@ pub(crate) fn joint_names(header: &[String], known: &[String]) -> JointNames {
     let names = own_names(&meanings);
     // `joint1_pos` numbers a joint of a robot that calls it otherwise.
     let of_robot = names.iter().filter(|name| known.contains(name)).count();
-    let own = if of_robot == 0 { without_grippers(&names) } else { names.clone() };
+    let own = if of_robot == 0 { without_others(&names, known.len()) } else { names.clone() };
     let in_names = numbers_in_names(&own, own.len()).len();
     let around = around_names(&meanings, known);
     let names = match around.len() > of_robot.max(numbered) {

@@ -44,6 +44,8 @@ pub(crate) struct Layout {
     pub unknown_joints: Vec<String>,
     /// How the columns were understood where that is not obvious.
     pub understood: Vec<String>,
+    /// Columns in use, each with another of the same name.
+    pub(super) twice: Vec<[usize; 2]>,
 }
 
 /// The first value that cannot be used.

@@ -7,17 +7,18 @@
 mod addresses;
 mod bare;
 mod families;
+mod flat;
 pub(super) mod labels;
 mod layout;
 mod left_out;
 mod map;
 pub(super) mod names;
+mod notes;
 mod prefixes;
 mod resolve;
 mod search;
-mod spare_currents;
 mod spelling;
-mod unknown_units;
+mod twice;
 
 pub(crate) use addresses::placed;
 pub use families::JointNames;

@@ -1,5 +1,6 @@
 //! One column for each joint, and one of time, from the columns that were found by their names; else what is missing.
 
+use super::flat;
 use super::layout::ABSENT;
 use super::names::{self, Part, Quantity};
 use crate::error::{Error, Result};
@@ -47,10 +48,10 @@ impl Resolver<'_> {
         let best = times.iter().filter(|(_, time)| time.part != Part::Nanoseconds).min_by_key(|(_, time)| time.rank);
         let Some(&(column, time)) = best else {
             let (others, files) = match (no_position, no_torque) {
-                (false, false) => ("", ""),
-                (true, false) => (", and none of position", CURE_OF_SIGNALS),
-                (false, true) => (", and none of torque", CURE_OF_SIGNALS),
-                (true, true) => (", and none of position or torque", CURE_OF_SIGNALS),
+                (false, false) => ("", String::new()),
+                (true, false) => (", and none of position", self.cure_of_signals()),
+                (false, true) => (", and none of torque", CURE_OF_SIGNALS.to_owned()),
+                (true, true) => (", and none of position or torque", self.cure_of_signals()),
             };
             let reason = format!("no column of time (t or time, in s){others}");
             return Err(self.missing("t", &reason, &format!("{CURE_OF_TIME}{files}")));
@@ -96,6 +97,8 @@ impl Resolver<'_> {
                 ""
             };
             let cure = "name the columns of these joints in a dataset: [columns] q = [..], qd = [..], tau = [..]";
+            let example = flat::cure(self.header, count, Some(header)).filter(|_| self.fixed);
+            let cure = example.as_deref().unwrap_or(cure);
             let problem = format!("a {name} too many: {known}; {of_simulator}{cure}");
             return Err(Error::input(self.path, self.line, header, problem));
         }
@@ -135,12 +138,18 @@ impl Resolver<'_> {
                         let of_control = control.map_or(String::new(), |own| format!("; {own} {CURE_OF_CONTROLS}"));
                         format!("{CURE_OF_SIGNALS}{CURE_OF_TORQUES}{of_control}")
                     }
-                    None => CURE_OF_SIGNALS.to_owned(),
+                    None => self.cure_of_signals(),
                 },
             },
             false => String::new(),
         };
         Err(self.missing(&column, &reason, &cure))
+    }
+
+    /// What helps where no column is a position: an array may hold them, or another file.
+    fn cure_of_signals(&self) -> String {
+        let of_array = flat::cure(self.header, self.names.len(), None).filter(|_| self.fixed);
+        of_array.map_or_else(|| CURE_OF_SIGNALS.to_owned(), |cure| format!("; {cure}"))
     }
 
     /// What helps where each row is of the one joint that column `joint` names.

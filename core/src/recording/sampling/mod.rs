@@ -13,6 +13,7 @@ mod restarts;
 pub(super) mod reversed;
 mod set;
 pub(super) mod stamps;
+mod true_gaps;
 mod unit;
 pub(super) mod unsorted;
 mod wrapped;

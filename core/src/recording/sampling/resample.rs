@@ -1,6 +1,6 @@
 //! Irregular clocks: how regular a clock is, and the log at even steps.
 
-use super::interpolation::interpolate;
+use super::interpolation::{across_gaps, interpolate};
 use crate::channels::Channels;
 use crate::recording::Recording;
 use std::ops::Range;
@@ -95,8 +95,8 @@ fn roughness(signal: &[f64]) -> f64 {
     signal.windows(4).map(|x| (x[3] - 3.0 * x[2] + 3.0 * x[1] - x[0]).powi(2)).sum()
 }
 
-/// The log at the median rate: piecewise cubic (Catmull-Rom with finite-difference tangents for uneven steps), linear
-/// across gaps.
+/// The log at the median rate: piecewise cubic (Catmull-Rom with finite-difference tangents for uneven steps). Across gaps motion, which is
+/// smooth, is cubic as far as they are bridged; torque, which jumps where a joint reverses, is linear.
 fn at_even_steps(recording: &Recording) -> Recording {
     let clock = Clock::new(recording);
     let (first, step) = (recording.time[0], 1.0 / clock.rate_hz);
@@ -117,20 +117,22 @@ fn at_even_steps(recording: &Recording) -> Recording {
             place
         })
         .collect();
-    let limit = GAP / clock.rate_hz;
-    let table = |channels: &Channels| {
-        channels.map(|_, signal| {
-            let at = |(&t, &place): (&f64, &usize)| interpolate(&recording.time, signal, place, t, limit);
-            time.iter().zip(&places).map(at).collect()
-        })
+    let (limit, longest) = (GAP / clock.rate_hz, longest_bridged(clock.rate_hz));
+    let at_times = |channels: &Channels, value: &dyn Fn(&[f64], usize, f64) -> f64| {
+        let of = |signal: &[f64]| time.iter().zip(&places).map(|(&t, &place)| value(signal, place, t)).collect();
+        channels.map(|_, signal| of(signal))
     };
+    let table = |channels: &Channels| {
+        at_times(channels, &|signal, place, t| across_gaps(&recording.time, signal, place, t, limit, longest))
+    };
+    let tau = at_times(&recording.tau, &|signal, place, t| interpolate(&recording.time, signal, place, t, limit));
     Recording {
         robot: recording.robot.clone(),
         joints: recording.joints.clone(),
         q: table(&recording.q),
         qd: recording.qd.as_ref().map(table),
         qdd: recording.qdd.as_ref().map(table),
-        tau: table(&recording.tau),
+        tau,
         truth: None,
         provenance: recording.provenance.clone(),
         time,
@@ -139,6 +141,12 @@ fn at_even_steps(recording: &Recording) -> Recording {
 
 /// A step longer than this many median steps cannot be bridged.
 pub(crate) const TORN: f64 = 10.0;
+
+/// .. unless a log is full of gaps and would be lost: in this time motion does not turn, s.
+const BRIDGED_S: f64 = 0.05;
+
+/// Share of the samples that must stay where a log is cut at its gaps.
+const KEPT: f64 = 0.5;
 
 /// A piece with fewer samples is not worth keeping.
 const SHORTEST: usize = 50;
@@ -178,9 +186,26 @@ fn even_pieces(recording: Recording) -> Vec<Recording> {
     stretches(&recording, &clock).into_iter().map(|rows| evenly(&recording.slice(rows))).collect()
 }
 
+/// The longest gap that is ever bridged, s.
+fn longest_bridged(rate_hz: f64) -> f64 {
+    BRIDGED_S.max(TORN / rate_hz)
+}
+
 /// Rows between the gaps that cannot be bridged, those too few to keep left out.
 fn stretches(recording: &Recording, clock: &Clock) -> Vec<Range<usize>> {
-    let torn = |&&at: &&usize| (recording.time[at + 1] - recording.time[at]) * clock.rate_hz > TORN;
+    let cut = cut_at(recording, clock, TORN / clock.rate_hz);
+    let kept = |ranges: &[Range<usize>]| ranges.iter().map(Range::len).sum::<usize>();
+    if kept(&cut) as f64 >= KEPT * recording.samples() as f64 {
+        return cut;
+    }
+    let bridged = cut_at(recording, clock, longest_bridged(clock.rate_hz));
+    if kept(&bridged) > kept(&cut) { bridged } else { cut }
+}
+
+/// The same where a step longer than `longest` cannot be bridged, s.
+fn cut_at(recording: &Recording, clock: &Clock, longest: f64) -> Vec<Range<usize>> {
+    // Steps of ten rows are written in few digits.
+    let torn = |&&at: &&usize| (recording.time[at + 1] - recording.time[at]) > longest * (1.0 + 1e-9);
     let ends: Vec<usize> = clock.gaps.iter().filter(torn).map(|at| at + 1).chain([recording.samples()]).collect();
     let starts = [0].into_iter().chain(ends.iter().copied());
     starts.zip(&ends).map(|(start, &end)| start..end).filter(|rows| rows.len() >= SHORTEST).collect()
@@ -275,5 +300,26 @@ mod tests {
         for (t, tau) in even.time.iter().zip(even.tau.channel(0)) {
             assert!((tau - (3.0 * t - 1.0)).abs() < 1e-12);
         }
+    }
+
+    /// A logger at 500 Hz that stops for 30 ms after every ten rows or so.
+    #[test]
+    fn a_log_full_of_short_gaps_is_bridged_and_one_with_few_is_cut() {
+        let law = |t: f64| (5.0 * t).sin();
+        let of = |rows: usize, gap_s: f64| {
+            let mut recording = samples::full(1, 2000);
+            recording.time = (0..2000).map(|i| 0.002 * i as f64 + (gap_s - 0.002) * (i / rows) as f64).collect();
+            let values: Vec<f64> = recording.time.iter().map(|&t| law(t)).collect();
+            recording.q.channel_mut(0).copy_from_slice(&values);
+            pieces(recording)
+        };
+        let bridged = of(11, 0.03);
+        assert_eq!(bridged.len(), 1);
+        let error = |(t, q): (&f64, &f64)| (q - law(*t)).abs();
+        let worst = bridged[0].time.iter().zip(bridged[0].q.channel(0)).map(error).fold(0.0, f64::max);
+        assert!(worst < 2e-4, "{worst}");
+        assert_eq!(of(500, 0.03).len(), 4);
+        // In a tenth of a second the motion may turn.
+        assert!(of(11, 0.1).is_empty() && of(60, 0.1).len() > 30);
     }
 }

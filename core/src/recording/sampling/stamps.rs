@@ -2,7 +2,7 @@
 //! two sources.
 
 use super::late::line;
-use super::{late, late_source, restarts, set, unit, wrapped};
+use super::{late, late_source, restarts, set, true_gaps, unit, wrapped};
 use crate::error::{Error, Result};
 use crate::recording::columns::{ColumnMap, Layout};
 use crate::recording::formats::text::Text;
@@ -117,14 +117,15 @@ pub(crate) fn clock(
     }
     let mut stamps = std::mem::take(&mut columns[time]);
     let signals: Vec<&[f64]> = positions.iter().map(|&column| columns[column].as_slice()).collect();
-    clock.corrections.extend(late::undo(&mut stamps));
+    let rows_were_lost = true_gaps::are_true(&stamps, &signals);
+    clock.corrections.extend(if rows_were_lost { None } else { late::undo(&mut stamps) });
     clock.corrections.extend(set::undo(&mut stamps, &signals));
     if let Some((said, begins)) = restarts::undo(&mut stamps) {
         clock.corrections.push(said);
         clock.begins = begins;
     }
     columns[time] = stamps;
-    clock.corrections.extend(bursts(&mut columns[time]));
+    clock.corrections.extend(if rows_were_lost { None } else { bursts(&mut columns[time]) });
     let same = |row: usize| used.iter().all(|&column| columns[column][row] == columns[column][row - 1]);
     let stamps = &columns[time];
     let repeated: Vec<usize> = (1..stamps.len()).filter(|&row| stamps[row] == stamps[row - 1]).collect();

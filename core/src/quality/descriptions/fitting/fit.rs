@@ -175,15 +175,22 @@ impl<'a> Fit<'a> {
         };
         let whole = of(&|_| true)?;
         let left_out: Vec<Vec<f64>> = (0..self.blocks).map(|held| of(&|block| block != held)).collect::<Option<_>>()?;
-        let count = left_out.len() as f64;
-        let error = |joint: usize| {
-            let mean = left_out.iter().map(|each| each[joint]).sum::<f64>() / count;
-            let scatter: f64 = left_out.iter().map(|each| (each[joint] - mean).powi(2)).sum();
-            (scatter * (count - 1.0) / count).sqrt()
+        let friction = |place: usize| Friction {
+            joint: self.joints[place].joint,
+            share: whole[place],
+            error: jackknife(&left_out, place),
         };
-        let friction =
-            |place: usize| Friction { joint: self.joints[place].joint, share: whole[place], error: error(place) };
         Some((0..whole.len()).map(friction).collect())
+    }
+
+    /// Parameters at these places, each with its standard error by leaving out each block in turn.
+    pub(crate) fn with_errors(&self, places: &[usize]) -> Option<Vec<(f64, f64)>> {
+        let (weights, _) = self.weighted()?;
+        let whole = self.solve(&weights, self.bounds, &|_| true)?;
+        let left_out =
+            |held: usize| Some(self.solve(&weights, self.bounds, &|block| block != held)?.as_slice().to_vec());
+        let left_out: Vec<Vec<f64>> = (0..self.blocks).map(left_out).collect::<Option<_>>()?;
+        Some(places.iter().map(|&place| (whole[place], jackknife(&left_out, place))).collect())
     }
 
     /// All parameters in a fit of all rows, in the order of the tables.
@@ -243,6 +250,14 @@ impl<'a> Fit<'a> {
         }
         constrained(&gram, &right, bounds)
     }
+}
+
+/// Standard error of the value at a place, from its values with each block left out.
+fn jackknife(left_out: &[Vec<f64>], place: usize) -> f64 {
+    let count = left_out.len() as f64;
+    let mean = left_out.iter().map(|each| each[place]).sum::<f64>() / count;
+    let scatter: f64 = left_out.iter().map(|each| (each[place] - mean).powi(2)).sum();
+    (scatter * (count - 1.0) / count).sqrt()
 }
 
 impl Equations<'_> {

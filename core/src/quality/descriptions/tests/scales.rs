@@ -4,6 +4,7 @@ use super::super::fitting::{Physics, Rows};
 use super::super::search::is_beyond_position;
 use super::super::tried::Tried;
 use super::*;
+use crate::quality::Severity;
 
 /// The arm with other bodies: masses between 0.8 and 1.25 times those described.
 pub(super) fn with_other_masses(robot: &Robot, seed: u64) -> Robot {
@@ -238,4 +239,44 @@ fn a_sign_besides_factors_of_two_torques_is_found() {
     let signs: Vec<f64> = verdict.description.torque_sign.clone();
     assert_eq!(signs, [1.0, 1.0, -1.0, 1.0, 1.0, 1.0], "{:?}", verdict.description.changes);
     assert!((verdict.description.torque_scale[1] / 50.0).ln().abs() < 0.2, "{:?}", verdict.description);
+}
+
+/// Currents of motors whose torque constants differ, and which may have another sign on one joint: the constants come from the bodies.
+#[test]
+fn currents_have_the_torque_constants_of_their_motors_and_are_no_fault() {
+    let constants = [12.0, 9.0, 9.0, 1.5, 1.2, 0.8];
+    let factors = constants.map(f64::recip);
+    for joint in [None, Some(2)] {
+        let mut log = Sieved { currents: true, ..scaled(&irb(), factors) };
+        if let Some(joint) = joint {
+            log.recording.tau.channel_mut(joint).iter_mut().for_each(|current| *current = -*current);
+        }
+        let together = examine_together(&[&log], Some(&irb())).unwrap();
+        let verdict = together.verdict.unwrap();
+        assert!(verdict.currents && verdict.factors.len() == 6, "{verdict:?}");
+        for (own, constant) in verdict.factors.iter().zip(constants) {
+            let found = own.map(f64::recip);
+            assert!(found.is_none_or(|found| (found / constant).ln().abs() < 0.1), "{verdict:?}");
+        }
+        // Gravity makes the torques of these.
+        assert!([1, 2].iter().all(|&joint| verdict.factors[joint].is_some()), "{verdict:?}");
+        let findings = &together.reports[0].findings;
+        let warned: Vec<&str> =
+            findings.iter().filter(|own| own.severity > Severity::Note).map(|own| own.place.as_str()).collect();
+        assert_eq!(warned.len(), usize::from(joint.is_some()), "{findings:?}");
+        assert!(warned.iter().all(|place| place.starts_with("tau3")), "{findings:?}");
+        let note = findings.iter().find(|own| own.kind == Kind::TorqueUnit).unwrap();
+        assert!(note.text.contains("motor currents") && note.text.contains("9.0"), "{}", note.text);
+    }
+}
+
+/// A log of another robot stays that, whatever its torques are called.
+#[test]
+fn currents_of_another_robot_are_none_of_this() {
+    let other = arm("tests/reference/payload/arm.urdf");
+    let log = Sieved { currents: true, ..simulated(&other, Oddity::None, 15.0, 4) };
+    let mut robot = other.clone();
+    robot.joints.reverse();
+    let verdict = examine_together(&[&log], Some(&robot)).unwrap().verdict;
+    assert!(verdict.is_none_or(|verdict| !verdict.currents));
 }

@@ -122,3 +122,32 @@ fn a_few_degrees_are_no_radians_though_these_are_within_the_limits() {
         assert!(units(&log).is_empty(), "{oddity:?}");
     }
 }
+
+/// Shares of the limits, or of ranges that nobody gave: as degrees they would be within the limits.
+#[test]
+fn shares_of_ranges_are_no_degrees() {
+    let robot = irb();
+    let said = |range: &dyn Fn(usize, &[f64]) -> [f64; 2]| {
+        let mut log = simulated(&robot, Oddity::None, 20.0, 10);
+        for joint in 0..6 {
+            let own = log.recording.q.channel_mut(joint);
+            let [low, high] = range(joint, own);
+            own.iter_mut().for_each(|q| *q = 200.0 * (*q - low) / (high - low) - 100.0);
+        }
+        log.recording.qd = None;
+        let report = examine_together(&[&log], Some(&robot)).unwrap().reports.remove(0);
+        assert!(report.units.is_none(), "{:?}", report.units);
+        let of_unit = report.findings.iter().find(|finding| finding.kind == Kind::PositionUnit);
+        of_unit.map(|finding| finding.text.clone()).unwrap_or_else(|| panic!("{:?}", report.findings))
+    };
+    let limits = said(&|joint, _| [robot.joints[joint].limits.lower, robot.joints[joint].limits.upper]);
+    assert!(limits.contains("shares of each joint's range") && limits.contains("limits of the URDF"), "{limits}");
+    let half = 0.5 * (robot.joints[0].limits.upper - robot.joints[0].limits.lower);
+    assert!(limits.contains(&format!("gear_ratio = [{:.5}", 100.0 / half)), "{limits}");
+    let calibrated = said(&|joint, q| {
+        let (low, high) =
+            q.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &v| (low.min(v), high.max(v)));
+        [low - 0.02 * joint as f64, high + 0.01]
+    });
+    assert!(calibrated.contains("calibrated range in a dataset"), "{calibrated}");
+}

@@ -143,10 +143,17 @@ fn percent(name: &str) -> Option<&str> {
 /// Readings of a name with the unit that stands behind it.
 fn in_unit(mut readings: Vec<Meaning>, unit: Option<&str>) -> Vec<Meaning> {
     for meaning in &mut readings {
+        meaning.quantity = of_present(meaning.quantity, meaning.current, unit);
+        meaning.current &= meaning.quantity == TORQUE;
         meaning.unit = unit.and_then(|unit| Unit::of(unit, meaning.quantity)).or(meaning.unit);
         meaning.current |= meaning.unit.is_some_and(Unit::is_current);
     }
     readings
+}
+
+/// The quantity of a name with a unit. `cur` and `current` mean the present value where the unit is that of another quantity, `CurJ1[deg]`.
+pub(super) fn of_present(quantity: usize, current: bool, unit: Option<&str>) -> usize {
+    unit.filter(|_| current).and_then(Unit::quantity).unwrap_or(quantity)
 }
 
 /// The ways to understand a name without a unit.

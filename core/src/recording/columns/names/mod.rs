@@ -20,5 +20,5 @@ pub(crate) use quantity::{ACCELERATION, POSITION, QUANTITIES, Quantity, TORQUE, 
 pub(crate) use scattered::scattered;
 pub(crate) use time::{INDEX, OWN_TIME, Part, Time, are_seconds_and_rest, time};
 pub(crate) use unit::{Unit, is_unit};
-pub(crate) use vocabulary::{is_external_torque, is_measured_at_joint};
+pub(crate) use vocabulary::{is_external_torque, is_measured_at_joint, is_of_motor};
 pub(crate) use words::{unit_of, without_unit_of};

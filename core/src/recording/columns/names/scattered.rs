@@ -1,8 +1,8 @@
 //! Names whose words stand in no known order: one quantity somewhere, and the joint around it, as in `joint1_position_actual`,
 //! `position/robot0/left_arm/joint_1`, `servo_angle_1`.
 
-use super::meaning::{Joint, Meaning};
-use super::quantity::POSITION;
+use super::meaning::{Joint, Meaning, of_present};
+use super::quantity::{POSITION, TORQUE};
 use super::unit::Unit;
 use super::vocabulary;
 use super::words::without_unit;
@@ -56,6 +56,8 @@ pub(crate) fn scattered(column: &str) -> Option<Meaning> {
     let separators = |letter: char| !letter.is_alphanumeric();
     let before = pieces[..from].last().map_or("", |piece| &name[..piece.end]).trim_matches(separators);
     let behind = pieces.get(to).map_or("", |piece| &name[piece.start..]).trim_matches(separators);
+    let quantity = of_present(quantity, current, unit);
+    let current = current && quantity == TORQUE;
     let unit = unit.and_then(|unit| Unit::of(unit, quantity));
     let current = current || unit.is_some_and(Unit::is_current);
     let quantity_words = words[from..to].join("_");
@@ -129,7 +131,7 @@ fn starts_word(before: char, letter: char) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::super::quantity::{TORQUE, VELOCITY};
+    use super::super::quantity::VELOCITY;
     use super::*;
 
     #[test]
@@ -157,6 +159,12 @@ mod tests {
             let meaning = scattered(column).unwrap_or_else(|| panic!("{column}"));
             assert_eq!((meaning.quantity, meaning.joint), (quantity, Joint::Number(number)), "{column}");
         }
+        // Of Denso: the present position, and no current.
+        for (column, unit, quantity) in [("CurJ1[deg]", "deg", POSITION), ("CurJ1[deg/s]", "deg/s", VELOCITY)] {
+            let present = scattered(column).unwrap();
+            assert_eq!((present.quantity, present.unit.unwrap().symbol, present.current), (quantity, unit, false));
+        }
+        assert!(scattered("CurJ1[A]").unwrap().current && scattered("CmdJ1[deg]").is_none());
         let in_degrees = scattered("关节1角度(度)").unwrap();
         assert_eq!((in_degrees.quantity, in_degrees.unit.unwrap().symbol), (POSITION, "deg"));
         assert!(scattered("servo_current_3").unwrap().current && !scattered("present_load_3").unwrap().current);

@@ -83,6 +83,12 @@ impl Unit {
         })
     }
 
+    /// The quantity that is in a unit, by its text.
+    pub(super) fn quantity(text: &str) -> Option<usize> {
+        let text = bare(text);
+        UNITS.iter().find(|row| row.4.contains(&text.as_str())).map(|row| row.0)
+    }
+
     /// The units of a quantity, as a list.
     pub(crate) fn symbols(quantity: usize) -> String {
         UNITS.iter().filter(|row| row.0 == quantity).map(|row| row.1).collect::<Vec<_>>().join(", ")

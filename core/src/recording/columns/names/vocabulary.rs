@@ -72,8 +72,11 @@ pub(super) const OF_PRESENT: [&str; 11] = [
     "effort",
 ];
 
-/// Words that mean a place, before a quantity; behind it they begin a joint's name.
-pub(super) const OF_JOINT: [&str; 6] = ["joint", "joints", "jnt", "robot", "arm", "mtr"];
+/// Words that mean a place, before a quantity; behind it they begin a joint's name. `link` and `load` are the joint's side of the gear.
+pub(super) const OF_JOINT: [&str; 9] = ["joint", "joints", "jnt", "robot", "arm", "mtr", "link", "links", "load"];
+
+/// Words of the motor's side of the gear.
+const OF_MOTORS: [&str; 5] = ["motor", "motors", "rotor", "drive", "drives"];
 
 /// Words that mean that a controller wanted or computed a value: a torque of this kind is taken where none was measured.
 pub(super) const OF_CONTROLLER: [&str; 12] = [
@@ -153,6 +156,11 @@ pub(super) fn is_measured(word: &str) -> bool {
 /// Whether a word may stand in the name of a value that was measured at a joint.
 pub(super) fn is_of_joint(word: &str) -> bool {
     ![&OF_CONTROLLER[..], &OF_OTHERS, &WANTED_NUMBERED].iter().any(|others| others.contains(&word))
+}
+
+/// Whether a word of a name means the motor's side of the gear.
+pub(crate) fn is_of_motor(name: &str) -> bool {
+    words(name).iter().any(|word| OF_MOTORS.contains(&word.as_str()))
 }
 
 /// Whether no word of a name says that its value was not measured at a joint.

@@ -5,10 +5,9 @@ use super::families::{
 };
 use super::layout::{ABSENT, Layout};
 use super::names::{self, QUANTITIES, TRUE};
+use super::notes::{motor_side, spare_currents, unknown_units};
 use super::prefixes::{behind_prefix, several};
 use super::resolve::{Clock, Found, Resolver, listed};
-use super::spare_currents;
-use super::unknown_units;
 use crate::error::{Error, Result};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -93,6 +92,7 @@ impl Layout {
         let mut used = BTreeSet::new();
         let mut found: [[Found; 4]; 2] = Default::default();
         let mut bases = [None; 4];
+        let mut twice = Vec::new();
         let (mut currents, mut of_controller, mut of_motors_alone) = (false, false, false);
         let mut units = BTreeMap::new();
         for (truth, quantity) in
@@ -156,7 +156,7 @@ impl Layout {
                 if let Some(first) = second.filter(|first| demand.lenient && header[*first] == header[candidate.column])
                 {
                     found[usize::from(truth)][quantity].insert(number, first);
-                    understood.push(format!("{} stands twice in the header: the first is used", header[first]));
+                    twice.push([first, candidate.column]);
                     continue;
                 }
                 if let Some(first) = second {
@@ -239,6 +239,7 @@ impl Layout {
         let of_quantities = [Some(&q), qd.as_ref(), qdd.as_ref(), Some(&tau)];
         let own = candidates(&meanings, &names, &numbers, false, names::TORQUE);
         let base = bases[names::TORQUE].or(bases[names::POSITION]);
+        understood.extend(motor_side::note(header, &used, q.iter().copied().find(|column| *column != ABSENT)));
         notes.extend(spare_currents::note(header, &names, &tau, &own, base));
         notes.extend(unknown_units::notes(header, &names, of_quantities, &units));
         let first_torque = tau.iter().find(|column| **column != ABSENT).map_or("", |column| header[*column].as_str());
@@ -275,6 +276,7 @@ impl Layout {
             notes,
             unknown_joints,
             understood,
+            twice,
             joints: if names.is_empty() { (1..=count).map(|joint| format!("joint_{joint}")).collect() } else { names },
         })
     }

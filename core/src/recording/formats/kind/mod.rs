@@ -146,8 +146,8 @@ fn refused(start: &[u8], extension: &str, name: &str, bag: bool) -> Option<(&'st
         ("a file of MATLAB", format!("{} (variables t, q, tau), or save it there with writetable", python(code)))
     } else if is(b"\x89HDF") {
         let code = format!(
-            "import h5py, numpy; f = h5py.File('{name}'); numpy.savez('{stem}.npz', **{{k: f[k][()] for k in f if hasattr(f[k], \
-             'shape')}})"
+            "import h5py, numpy; f = h5py.File('{name}'); d = {{}}; f.visititems(lambda k, v: d.update({{k.replace('/', '_'): v[()]}}) if \
+             hasattr(v, 'shape') else None); numpy.savez('{stem}.npz', **d)"
         );
         ("a file of HDF5 (MATLAB 7.3 writes these too)", python(code))
     } else if (is(b"PK") && (extension == "xlsx" || contains(start, b"[Content_Types].xml"))) || is(b"\xD0\xCF\x11\xE0")
@@ -167,6 +167,19 @@ fn refused(start: &[u8], extension: &str, name: &str, bag: bool) -> Option<(&'st
     } else if is(b"ARROW1") {
         let code = format!("import pandas; pandas.read_feather('{name}').to_parquet('{stem}.parquet')");
         ("a file of Arrow", python(code))
+    } else if is(b"\xFF\xFF\xFF\xFF") && ["arrow", "arrows", "ipc", "feather"].contains(&extension) {
+        let code = format!(
+            "import pyarrow.ipc, pyarrow.parquet; pyarrow.parquet.write_table(pyarrow.ipc.open_stream('{name}').read_all(), '{stem}.parquet')"
+        );
+        ("a stream of Arrow", python(code))
+    } else if is(b"ORC") && extension == "orc" {
+        ("a file of ORC", python(format!("import pandas; pandas.read_orc('{name}').to_parquet('{stem}.parquet')")))
+    } else if is(b"TDSm") {
+        let code = format!("import nptdms; nptdms.TdmsFile.read('{name}').as_dataframe().to_csv('{stem}.csv')");
+        ("a file of LabVIEW (TDMS)", format!("{} (pip install nptdms)", python(code)))
+    } else if is(b"MDF     ") {
+        let code = format!("import asammdf; asammdf.MDF('{name}').to_dataframe().to_csv('{stem}.csv')");
+        ("a measurement file of ASAM (MDF)", format!("{} (pip install asammdf)", python(code)))
     } else if start.len() > 2 && start[0] == 0x80 && (2..=5).contains(&start[1]) {
         let code = format!("import pandas; pandas.DataFrame(pandas.read_pickle('{name}')).to_csv('{stem}.csv')");
         ("a pickle of Python", python(code))
@@ -226,6 +239,10 @@ mod tests {
             ("a.bag", &b"#ROSBAG V2.0\n"[..], ["bag of ROS 1", "rosbags-convert --src a.bag --dst a"]),
             ("a.mat", b"MATLAB 5.0 MAT-file, Platform", ["file of MATLAB", "savez('a.npz'"]),
             ("b.mat", b"\x89HDF\r\n\x1a\n", ["HDF5", "h5py.File('b.mat')"]),
+            ("a.ipc", b"\xFF\xFF\xFF\xFF\x10\0", ["stream of Arrow", "open_stream('a.ipc')"]),
+            ("a.orc", b"ORC\x0A\0", ["file of ORC", "read_orc('a.orc')"]),
+            ("a.tdms", b"TDSm\x0E\0", ["LabVIEW", "TdmsFile.read('a.tdms')"]),
+            ("a.mf4", b"MDF     4.10", ["ASAM", "asammdf.MDF('a.mf4')"]),
             ("a.xlsx", b"PK\x03\x04\0\0", ["a spreadsheet", "convert-to csv a.xlsx"]),
             ("a.csv", b"PK\x03\x04\0\0", ["a ZIP archive", "unzip a.csv"]),
             ("corrected.toml", b"robot = \"a.urdf\"\n", ["a file of settings", "--dataset"]),

@@ -56,6 +56,8 @@ pub struct Sieved {
     pub may_count: bool,
     /// Lines with which further recordings of the file begin: the time before each was put there by the reader.
     pub begins: Vec<usize>,
+    /// Columns that are called as others are and hold other values, each with what is used and how to choose.
+    pub ambiguous: Vec<[String; 2]>,
     /// What is wrong with the whole of the rows, and what to do: the log cannot be used.
     pub spoilt: Option<String>,
     /// Units of names that the size of the values makes doubtful, and which were used.
@@ -132,6 +134,8 @@ fn read(paths: &[PathBuf], joints: Option<&[String]>, map: &ColumnMap, positions
     let join::Joined { mut columns, mut lines, rejected: unreadable, notes: joined } =
         join::rows(paths, &mut sources, &header, &layout.used(), &times.of_files)?;
     layout.understood.extend(placed.note);
+    let (alike, ambiguous) = called_alike(&layout, &sources[0], &header);
+    layout.understood.extend(alike);
     layout.understood.extend(joined);
     layout.understood.extend(sentinel::removed(&layout, &header, &mut columns));
     let empty = missing::empty_columns(&layout, &columns);
@@ -188,6 +192,7 @@ fn read(paths: &[PathBuf], joints: Option<&[String]>, map: &ColumnMap, positions
         of_controller,
         may_count: clock.may_count,
         begins,
+        ambiguous,
         spoilt,
         doubts,
     };
@@ -198,6 +203,29 @@ fn read(paths: &[PathBuf], joints: Option<&[String]>, map: &ColumnMap, positions
         }
         _ => Ok(sieved),
     }
+}
+
+/// What is said of columns in use of whose name there is another: notes where both hold the same, and each column of which they do not with
+/// what to do.
+fn called_alike(layout: &Layout, source: &Source, header: &[String]) -> (Vec<String>, Vec<[String; 2]>) {
+    let (mut notes, mut ambiguous) = (Vec::new(), Vec::new());
+    for &[first, second] in layout.twice() {
+        let name = &header[first];
+        let text = source.text().filter(|_| second < source.header().len());
+        if text.is_some_and(|text| text.cells(first) == text.cells(second)) {
+            notes.push(format!("{name} stands twice in the header, with the same values: the first is used"));
+            continue;
+        }
+        let choice = layout.other_choice([first, second]).unwrap_or_else(|| "[columns]".to_owned());
+        let text = format!(
+            "it stands twice in the header, with other values: column {} is used; a dataset takes column {} instead, by the numbers of the \
+             columns: {choice}",
+            first + 1,
+            second + 1
+        );
+        ambiguous.push([name.clone(), text]);
+    }
+    (notes, ambiguous)
 }
 
 #[cfg(test)]

@@ -1,10 +1,10 @@
 //! Units in the names of columns that are not known: the columns are taken as they are, which must be said.
 
-use super::names::{self, QUANTITIES, TORQUE, Unit};
+use crate::recording::columns::names::{self, QUANTITIES, TORQUE, Unit};
 use std::collections::BTreeMap;
 
 /// One line for each unit of a quantity that is not known; `columns` are those of the quantities in use, and `units` those that are known.
-pub(super) fn notes(
+pub(in crate::recording::columns) fn notes(
     header: &[String],
     joints: &[String],
     columns: [Option<&Vec<usize>>; 4],
@@ -39,7 +39,7 @@ pub(super) fn notes(
 }
 
 /// What makes torques of the columns in percent of a rated torque.
-pub(super) fn percent(header: &[String], joints: &[String], tau: &[usize]) -> Option<String> {
+pub(in crate::recording::columns) fn percent(header: &[String], joints: &[String], tau: &[usize]) -> Option<String> {
     let column = |column: &usize| {
         let name = header.get(*column)?;
         names::unknown_unit(name, TORQUE, joints).filter(|unit| is_percent(unit)).map(|_| name)

@@ -1,11 +1,11 @@
 //! Currents of joints that have no torque, in a log with the torques of others.
 
-use super::families::{Candidate, Place};
-use super::layout::ABSENT;
+use crate::recording::columns::families::{Candidate, Place};
+use crate::recording::columns::layout::ABSENT;
 
 /// What a dataset needs to take the currents in `own`, columns of torque and current, for joints without a torque. Torques and currents
 /// are in units of their own, so that they are not taken together without one.
-pub(super) fn note(
+pub(in crate::recording::columns) fn note(
     header: &[String],
     names: &[String],
     tau: &[usize],

@@ -110,15 +110,18 @@ impl Round {
 /// what it is `now` there.
 fn follow(arm: &mut Column, now: &Column, rounded: &[usize]) -> Vec<usize> {
     let square = |values: &[f64]| values.iter().map(|x| x * x).sum::<f64>();
-    let mut moved = Vec::new();
-    for (joint, now) in &now.parts {
-        let Some((_, before)) = arm.parts.iter_mut().find(|(other, _)| other == joint) else { continue };
-        let change = before.iter().zip(now).map(|(before, now)| (now - before).powi(2)).sum::<f64>();
-        if rounded.contains(joint) || change > SETTLED * SETTLED * square(before) {
-            before.clone_from(now);
-            moved.push(*joint);
-        }
-    }
+    let mut change = now.clone();
+    change.add(-1.0, arm);
+    let has_moved = |(joint, change): &&(usize, Vec<f64>)| {
+        let before = arm.part(*joint).map_or(0.0, square);
+        rounded.contains(joint) || square(change) > SETTLED * SETTLED * before
+    };
+    let moved: Vec<usize> = change.parts.iter().filter(has_moved).map(|(joint, _)| *joint).collect();
+    let parts = change.parts.iter().filter_map(|(joint, _)| {
+        let own = if moved.contains(joint) { now } else { &*arm };
+        Some((*joint, own.part(*joint)?.to_vec()))
+    });
+    *arm = Column::of(parts.collect());
     moved
 }
 
